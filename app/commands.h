@@ -39,7 +39,7 @@ struct RenderArguments {
     std::string device;
     std::optional<uint32_t> seed;
     std::string light;  // of the shot's; empty: the only one
-    uint32_t cascade_size = 1024;
+    std::optional<uint32_t> cascade_size;
     std::string facts;  // "a,!b": instead of what the scene says
     bool validate = false;
     bool no_alias = false;
@@ -56,9 +56,9 @@ struct ViewCommandArguments {
     std::string device, light;
     std::optional<uint32_t> seed;
     bool validate = false;
-    std::string headless;  // a PNG file, instead of a window
-    uint32_t frames = 0;   // after which it ends; 0: when the window is closed
-    uint32_t rays = 64;    // headless: of the truth
+    std::string headless;          // a PNG file, instead of a window
+    uint32_t frames = 0;           // after which it ends; 0: when the window is closed
+    std::optional<uint32_t> rays;  // headless: of the truth; else 64
 };
 
 struct PlanArguments {

@@ -8,6 +8,7 @@
 
 #include "app/color_compare.h"
 #include "app/comparison.h"
+#include "app/metrics_json.h"
 #include "app/or_null.h"
 #include "app/radiance_compare.h"
 #include "app/wrong.h"
@@ -22,32 +23,14 @@ OrderedJson to_json(const CompareArguments& arguments, const Comparison& c) {
     const MaskMetrics& m = c.mask;
     OrderedJson json = {{"image", arguments.image}, {"reference", arguments.reference}, {"frames", c.frames}};
     json["seeds"] = c.seeds;
-    json["pixels"] = {
-        {"receivers", m.receivers}, {"penumbra", m.penumbra}, {"lit", m.lit}, {"umbra", m.umbra}};
+    json.update(metrics_json(m));
+    json["n_eff"]["exact"] = c.truth.exact;
     json["eps"] = penumbra_eps;
     json["reference_rays"] = c.truth.rays ? OrderedJson(*c.truth.rays) : OrderedJson();
-    json["rmse"] = {{"all", or_null(m.rmse_all)},
-                    {"penumbra", or_null(m.rmse_penumbra)},
-                    {"lit", or_null(m.rmse_lit)},
-                    {"umbra", or_null(m.rmse_umbra)}};
-    json["psnr_db"] = or_null(m.psnr_db);
-    json["max_abs"] = or_null(m.max_abs);
     json["bias_max_9x9"] = or_null(c.bias_max_9x9);
     json["ssim"] = or_null(c.ssim);
-    json["flip"] = {{"mean", nullptr}, {"weighted_median", nullptr}, {"p95", nullptr}};
-    if (c.flip)
-        json["flip"] = {
-            {"mean", c.flip->mean}, {"weighted_median", c.flip->weighted_median}, {"p95", c.flip->p95}};
+    json["flip"] = flip_json(c.flip);
     json["relmse"] = or_null(c.relmse);
-    json["n_eff"] = {{"value", or_null(m.n_eff)},
-                     {"penumbra_only", or_null(m.n_eff_penumbra)},
-                     {"ci95", nullptr},
-                     {"variance_part", or_null(m.n_variance)},
-                     {"bias_part", or_null(m.n_bias)},
-                     {"exact", c.truth.exact}};
-    if (m.n_eff_ci95) json["n_eff"]["ci95"] = *m.n_eff_ci95;
-    json["leak"] = or_null(m.leak);
-    json["acne"] = or_null(m.acne);
     json["peter_panning_px"] = or_null(c.peter_panning_px);
     const DecisionMetrics& d = c.decisions;
     json["misclassified"] = {{"eps", or_null(d.beyond_eps)},
@@ -63,7 +46,6 @@ OrderedJson to_json(const CompareArguments& arguments, const Comparison& c) {
     json["flicker"] = {{"rms", or_null(c.flicker_rms)}, {"p99", or_null(c.flicker_p99)}};
     json["lag"] = {
         {"k90", or_null(c.step.k90)}, {"lag_px", or_null(c.lag_px)}, {"residual", or_null(c.step.residual)}};
-    json["nonfinite"] = m.nonfinite;
     return json;
 }
 

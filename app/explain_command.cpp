@@ -111,6 +111,10 @@ std::optional<Job> prepare(const ExplainArguments& arguments, const NodeSet& nod
                              shot->frames));
         return std::nullopt;
     }
+    if (!shot->has_sun) {
+        complain(fmt::format("{}: has no sun, which is what explain draws", shot->name));
+        return std::nullopt;
+    }
     if (!(sun_at(*shot, arguments.frame).angular_radius > 0)) {
         complain(fmt::format("{}: the sun is a point, of which nothing hides a part", shot->name));
         return std::nullopt;
@@ -334,7 +338,6 @@ int explain_pixel(const ExplainArguments& arguments) {
                            ? RayGatherer::captures()
                            : std::vector<std::string>{"view_depth", "receiver_normal", "visibility"};
     if (arguments.no_jitter) options.jitter = false;
-    options.optimum = false;
     options.pass_costs = false;
     Doing doing;
     options.doing = [&](const char* what, double share) { doing(what, share); };

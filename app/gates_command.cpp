@@ -10,6 +10,7 @@
 #include "app/counted.h"
 #include "app/gates/gates.h"
 #include "app/gates/radiance_gates.h"
+#include "app/markdown.h"
 #include "app/node_folders.h"
 #include "app/progress.h"
 #include "app/report/contenders.h"
@@ -67,45 +68,42 @@ uint32_t steps_of(const Study& study, const std::set<std::string>& parts) {
 }
 
 bool print_still(const Bench& bench, const Progress& progress) {
-    progress.print(fmt::format(
-        "| penumbra, px | first frame | asked | frame {} | asked | flicker of the penumbra / 255 | of all | "
-        "asked |\n|---|---|---|---|---|---|---|---|\n",
-        bench.study.still_frames - 1));
+    progress.print(markdown_head({"penumbra, px", "first frame", "asked",
+                                  fmt::format("frame {}", bench.study.still_frames - 1), "asked",
+                                  "flicker of the penumbra / 255", "of all", "asked"}));
     for (const double width : bench.study.widths_px) {
         const auto still = measure_still(bench, width);
         if (!still) return false;
-        progress.print(fmt::format(
-            "| {:g} | {} | {} | {} | {} | {} | {} | {} |\n", width, text_of(still->first),
-            asked_text(width, &Asked::first), text_of(still->last), asked_text(width, &Asked::last),
-            text_of(still->flicker), text_of(still->flicker_all), asked_text(width, &Asked::flicker)));
+        progress.print(
+            markdown_row({fmt::format("{:g}", width), text_of(still->first), asked_text(width, &Asked::first),
+                          text_of(still->last), asked_text(width, &Asked::last), text_of(still->flicker),
+                          text_of(still->flicker_all), asked_text(width, &Asked::flicker)}));
     }
     return true;
 }
 
 bool print_moving(const Bench& bench, const Progress& progress) {
-    std::string head = "\n| penumbra, px |";
-    for (const double speed : bench.study.speeds_px) head += fmt::format(" {:g} |", speed);
-    head += " worst | asked |\n|---|---|---|";
-    for (size_t i = 0; i < bench.study.speeds_px.size(); ++i) head += "---|";
-    progress.print(head + "\n");
+    std::vector<std::string> head{"penumbra, px"};
+    for (const double speed : bench.study.speeds_px) head.push_back(fmt::format("{:g}", speed));
+    head.insert(head.end(), {"worst", "asked"});
+    progress.print("\n" + markdown_head(head));
     for (const double width : bench.study.widths_px) {
         const auto moving = measure_moving(bench, width);
         if (!moving) return false;
-        std::string row = fmt::format("| {:g} |", width);
-        for (const Moving& m : *moving) row += fmt::format(" {:.3g} |", m.n_eff.median);
+        std::vector<std::string> row{fmt::format("{:g}", width)};
+        for (const Moving& m : *moving) row.push_back(fmt::format("{:.3g}", m.n_eff.median));
         const auto worst =
             std::ranges::min_element(*moving, {}, [](const Moving& m) { return m.n_eff.median; });
-        progress.print(row + fmt::format(" {} at {:g} | {} |\n", text_of(worst->n_eff), worst->speed_px,
-                                         asked_text(width, &Asked::moving)));
+        row.push_back(fmt::format("{} at {:g}", text_of(worst->n_eff), worst->speed_px));
+        row.push_back(asked_text(width, &Asked::moving));
+        progress.print(markdown_row(row));
     }
     return true;
 }
 
 bool print_jump(const Bench& bench, const Progress& progress) {
-    progress.print(
-        "\n| penumbra, px | the sun moves the shadow by | k90, frames | asked | N_eff a frame later | "
-        "left after 0, 1, ... frames |\n"
-        "|---|---|---|---|---|---|\n");
+    progress.print("\n" + markdown_head({"penumbra, px", "the sun moves the shadow by", "k90, frames",
+                                         "asked", "N_eff a frame later", "left after 0, 1, ... frames"}));
     for (const double width : bench.study.widths_px)
         for (const auto& [way, told] : {std::pair{-1.0, true}, {1.0, true}, {-1.0, false}, {1.0, false}}) {
             const auto jump = measure_jump(bench, width, way * bench.study.jump_px, told);
@@ -113,29 +111,28 @@ bool print_jump(const Bench& bench, const Progress& progress) {
             std::string left;
             for (size_t k = 0; k < std::min<size_t>(jump->left.size(), 6); ++k)
                 left += fmt::format("{}{:.3f}", k ? " " : "", jump->left[k]);
-            progress.print(fmt::format("| {:g} | {:g}{} | {} | {} | {} | {} |\n", width,
-                                       way * bench.study.jump_px, told ? "" : ", untold", text_of(jump->k90),
-                                       asked_text(width, &Asked::k90), text_of(jump->n_eff), left));
+            progress.print(markdown_row(
+                {fmt::format("{:g}", width),
+                 fmt::format("{:g}{}", way * bench.study.jump_px, told ? "" : ", untold"), text_of(jump->k90),
+                 asked_text(width, &Asked::k90), text_of(jump->n_eff), left}));
         }
     return true;
 }
 
 bool print_tilted(const Bench& bench, const Progress& progress) {
-    std::string head = "\n| receiver tilted by |";
+    std::vector<std::string> head{"receiver tilted by"};
     for (const double width : bench.study.tilted_widths_px)
-        head += fmt::format(" {:g} px | worst edge |", width);
-    head += "\n|---|";
-    for (size_t i = 0; i < bench.study.tilted_widths_px.size(); ++i) head += "---|---|";
-    progress.print(head + "\n");
+        head.insert(head.end(), {fmt::format("{:g} px", width), "worst edge"});
+    progress.print("\n" + markdown_head(head));
     for (const double tilt : bench.study.tilts_deg) {
-        std::string row = fmt::format("| {:g} |", tilt);
+        std::vector<std::string> row{fmt::format("{:g}", tilt)};
         for (const double width : bench.study.tilted_widths_px) {
             const auto tilted = measure_tilted(bench, width, tilt);
             if (!tilted) return false;
-            row += fmt::format(" {:.3g} | {:.3g} at {:g} |", tilted->mean, tilted->worst,
-                               tilted->worst_edge_deg);
+            row.push_back(fmt::format("{:.3g}", tilted->mean));
+            row.push_back(fmt::format("{:.3g} at {:g}", tilted->worst, tilted->worst_edge_deg));
         }
-        progress.print(row + "\n");
+        progress.print(markdown_row(row));
     }
     return true;
 }

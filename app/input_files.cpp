@@ -5,6 +5,7 @@
 #include <charconv>
 #include <fstream>
 #include <nlohmann/json.hpp>
+#include <set>
 #include <variant>
 
 #include "app/pipeline_file.h"
@@ -16,7 +17,7 @@ namespace {
 namespace fs = std::filesystem;
 using Json = nlohmann::json;
 
-// As tinygltf decodes it.
+// Without %20 and its like.
 std::string decoded_uri(const std::string& uri) {
     std::string out;
     for (size_t i = 0; i < uri.size(); ++i) {
@@ -24,7 +25,7 @@ std::string decoded_uri(const std::string& uri) {
         const char* const first = uri.data() + i + 1;
         const bool coded = uri[i] == '%' && i + 2 < uri.size() &&
                            std::from_chars(first, first + 2, byte, 16).ptr == first + 2;
-        out += coded ? static_cast<char>(byte) : uri[i] == '+' ? ' ' : uri[i];
+        out += coded ? static_cast<char>(byte) : uri[i];
         if (coded) i += 2;
     }
     return out;
@@ -91,9 +92,9 @@ FileList files_of_nodes(const std::vector<std::string>& folders) {
 bool spares(const FileList& written, std::initializer_list<FileList> read, Diagnostics& diagnostics) {
     const size_t before = diagnostics.size();
     std::error_code none;
-    for (size_t i = 0; i < written.size(); ++i) {
-        const fs::path& file = written[i];
-        if (std::count(written.begin(), written.begin() + static_cast<ptrdiff_t>(i), file) > 0)
+    std::set<fs::path> before_it;
+    for (const fs::path& file : written) {
+        if (!before_it.insert(file).second)
             diagnostics.add({file.string(), 0, 0}, "", "two files would be written here: give another name");
         const auto is_it = [&](const fs::path& other) { return fs::equivalent(file, other, none); };
         for (const FileList& list : read)

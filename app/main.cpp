@@ -7,6 +7,7 @@
 #endif
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <cstdio>
 #include <filesystem>
 #include <iostream>
@@ -82,8 +83,8 @@ void add_view_command(CLI::App& app, ViewCommandArguments& a) {
     c->add_option("--beside", a.beside,
                   "begin with this on the right: nothing, raw, published, truth or error")
         ->check(CLI::IsMember({"nothing", "raw", "published", "truth", "error"}));
-    c->add_option("--out", a.out,
-                  "folder for screenshots and flights (default: out/NAME of the shot or model)");
+    CLI::Option* out = c->add_option(
+        "--out", a.out, "folder for screenshots and flights (default: out/NAME of the shot or model)");
     c->add_option("--set", a.settings, "PATH=VALUE: change the pipeline");
     add_node_folders(c, a.node_folders);
     c->add_option("--device", a.device, "part of a device's name");
@@ -93,7 +94,8 @@ void add_view_command(CLI::App& app, ViewCommandArguments& a) {
     c->add_option("--frames", a.frames,
                   "end after so many (default: when the window is closed; headless: 16)");
     CLI::Option* headless =
-        c->add_option("--headless", a.headless, "PNG file: write what the window would show, and open none");
+        c->add_option("--headless", a.headless, "PNG file: write what the window would show, and open none")
+            ->excludes(out);
     c->add_option("--rays", a.rays, "headless: per pixel of the truth (default: 64)")
         ->check(CLI::Range(4u, 65536u))
         ->needs(headless);
@@ -258,7 +260,7 @@ void add_explain(CLI::App& app, ExplainArguments& a) {
     CLI::Option* frame = c->add_option("--frame", a.frame, "which frame (default: the first)");
     CLI::Option* samples = c->add_option("--samples", a.samples, "of the sun: 64, 128 or 256");
     samples->check(CLI::IsMember({64, 128, 256}));
-    c->add_flag("--no-jitter", a.no_jitter, "rasterise without sub-pixel jitter");
+    CLI::Option* no_jitter = c->add_flag("--no-jitter", a.no_jitter, "rasterise without sub-pixel jitter");
     CLI::Option* gather = c->add_flag(
         "--gather", a.gather,
         "the rays of the pixels around as tests of its sun, instead of the triangles that hide it");
@@ -276,13 +278,12 @@ void add_explain(CLI::App& app, ExplainArguments& a) {
         ->excludes(gather)
         ->excludes(samples)
         ->excludes("--budget");
-    c->add_option("--device", a.device, "part of a device's name");
-    c->add_option("--costs", a.costs, "report.json files of render: a bar of CPU milliseconds for each")
-        ->excludes(shot)
-        ->excludes(pixel)
-        ->excludes(size)
-        ->excludes(frame)
-        ->excludes(samples);
+    CLI::Option* device = c->add_option("--device", a.device, "part of a device's name");
+    CLI::Option* costs =
+        c->add_option("--costs", a.costs, "report.json files of render: a bar of CPU milliseconds for each");
+    for (CLI::Option* of_a_frame : {shot, pixel, size, frame, samples, no_jitter, gather, device})
+        costs->excludes(of_a_frame);
+    for (const char* of_a_frame : {"--model", "--ground", "--budget", "--beams"}) costs->excludes(of_a_frame);
 }
 
 void add_bench(CLI::App& app, BenchArguments& a) {
@@ -326,6 +327,17 @@ int dispatch(const CLI::App& app, const RenderArguments& render, const PlanArgum
     if (app.got_subcommand("check")) return run_check(check);
     if (app.got_subcommand("nodes")) return run_nodes(nodes);
     return run_devices();
+}
+
+// Else a number that begins with 0 would be octal.
+void read_decimals(CLI::App& app) {
+    const auto without_zeros = [](std::string text) {
+        const bool digits = text.find_first_not_of("0123456789") == text.npos;
+        return digits ? text.substr(std::min(text.find_first_not_of('0'), text.size() - 1)) : text;
+    };
+    for (CLI::App* command : app.get_subcommands({}))
+        for (CLI::Option* option : command->get_options())
+            if (option->get_type_name().starts_with("UINT")) option->transform(without_zeros);
 }
 
 // The first option whose value is the empty text, which names nothing; of a device it means the first.
@@ -386,6 +398,7 @@ int run(int argc, char** argv) {
     completion->add_option("shell", shell, "bash, zsh or fish")
         ->required()
         ->check(CLI::IsMember({"bash", "zsh", "fish"}));
+    read_decimals(app);
     add_examples(app);
     if (argc == 1) {  // no mistake, so not in its colour
         std::fputs(app.help().c_str(), stderr);

@@ -13,6 +13,7 @@
 #include "app/or_null.h"
 #include "app/text_file.h"
 #include "host/json_dump.h"
+#include "host/shots/shot.h"
 #include "penumbra/json_text.h"
 
 namespace penumbra {
@@ -118,7 +119,7 @@ std::optional<RenderedFolder> read_rendered_frames(const fs::path& folder, Diagn
     bool good = shot && shot->kind == Json::Kind::string && frames && frames->kind == Json::Kind::array;
     good = good && read_size(json->find("size"), out.size);
     if (good) {
-        out.shot = (folder / shot->string).lexically_normal();
+        out.shot = from_folder(folder, shot->string);
         if (const Json* light = json->find("light")) out.light = light->string;
         for (const Json& frame : frames->items) {
             uint32_t number = 0;

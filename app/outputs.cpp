@@ -73,45 +73,47 @@ Format buffer_format(const PlanResource& r) {
     return Format::r32ui;
 }
 
-struct Layers {
-    std::vector<Texels> texels;
-    bool layered = false;  // of an array, be it of one layer
-};
-Layers captured_texels(const Session& session, const std::string& name) {
+// Null where the graph has captured none of this name.
+const PlanResource* captured_resource(const Session& session, const std::string& name) {
     const Plan& plan = session.plan();
-    for (const PlanPass& pass : plan.passes) {
-        if (pass.kind != PassKind::capture || pass.node != name) continue;
-        const PlanResource& r = plan.resources[pass.bindings.front().index];
-        const bool image = r.kind == PortKind::image;
-        const Format format = image ? r.format : buffer_format(r);
-        const Extent extent = image ? r.extent : buffer_extent(plan, r, format);
-        const std::span<const std::byte> all = session.view().captured(name);
-        std::vector<std::string> names = channel_names(name, format);
-        // What a pipeline puts out is a picture, in which a fourth channel would be taken for how opaque it
-        // is.
-        if (image && std::ranges::find(plan.outputs, name, &PlanOutput::name) != plan.outputs.end())
-            names.resize(std::min(names.size(), size_t{3}));
-        Layers layers{{}, r.layered};
-        for (uint32_t layer = 0; layer < r.layers; ++layer) {
-            const auto bytes = all.subspan(layer * (all.size() / r.layers), all.size() / r.layers);
-            layers.texels.push_back(
-                {decode_texels(format, extent.width, extent.height, bytes, names), fnv1a(bytes)});
-            layers.texels.back().image.light = image && is_light(name, format);
-        }
-        return layers;
+    for (const PlanPass& pass : plan.passes)
+        if (pass.kind == PassKind::capture && pass.node == name)
+            return &plan.resources[pass.bindings.front().index];
+    return nullptr;
+}
+
+// Of each layer.
+std::vector<Texels> captured_texels(const Session& session, const std::string& name) {
+    const Plan& plan = session.plan();
+    const PlanResource* const resource = captured_resource(session, name);
+    if (!resource) throw FileError(fmt::format("\"{}\" was not captured", name));
+    const PlanResource& r = *resource;
+    const bool image = r.kind == PortKind::image;
+    const Format format = image ? r.format : buffer_format(r);
+    const Extent extent = image ? r.extent : buffer_extent(plan, r, format);
+    const std::span<const std::byte> all = session.view().captured(name);
+    std::vector<std::string> names = channel_names(name, format);
+    // What a pipeline puts out is a picture, in which a fourth channel would be taken for how opaque it is.
+    if (image && std::ranges::find(plan.outputs, name, &PlanOutput::name) != plan.outputs.end())
+        names.resize(std::min(names.size(), size_t{3}));
+    std::vector<Texels> layers;
+    for (uint32_t layer = 0; layer < r.layers; ++layer) {
+        const auto bytes = all.subspan(layer * (all.size() / r.layers), all.size() / r.layers);
+        layers.push_back({decode_texels(format, extent.width, extent.height, bytes, names), fnv1a(bytes)});
+        layers.back().image.light = image && is_light(name, format);
     }
-    throw FileError(fmt::format("\"{}\" was not captured", name));
+    return layers;
 }
 
 // What the files of a layer are called, after their resource: by its light where each is of one, of a
 // pipeline that takes them all in one input.
-std::string name_of_layer(const Session& session, size_t layer, const Layers& layers) {
-    if (!layers.layered) return "";
+std::string name_of_layer(const Session& session, size_t layer, const PlanResource& resource) {
+    if (!resource.layered) return "";
     const std::vector<std::string>& lights = session.host().light_names();
     const bool of_lights =
         std::ranges::find(session.plan().slots, "lights", &HostSlot::name) != session.plan().slots.end();
-    if (of_lights && lights.size() == layers.texels.size()) return "." + lights[layer];
-    return layers.texels.size() == 1 ? "" : fmt::format(".{}", layer);
+    if (of_lights && lights.size() == resource.layers) return "." + lights[layer];
+    return resource.layers == 1 ? "" : fmt::format(".{}", layer);
 }
 
 // Reverse-Z depth to metres along the view axis, 0 = sky. The last element of a projection tells the two
@@ -124,6 +126,8 @@ float metres_of_depth(const Camera& camera, float depth) {
 }
 
 Texels host_texels(Device& device, const Session& session, const std::string& name) {
+    if (std::ranges::count(host_image_names(), name) == 0)
+        throw FileError(fmt::format("\"{}\" was not captured", name));
     const GBufferImages& images = session.host().images();
     const GpuImage& image = name == "depth"    ? images.depth
                             : name == "normal" ? images.normal
@@ -197,12 +201,17 @@ std::span<const std::string> host_image_names() {
     return names;
 }
 
-bool is_host_image(const std::string& name) {
-    return std::ranges::count(host_image_names(), name) > 0;
+bool is_host_image(const CheckedPipeline& pipeline, const std::string& name) {
+    const CheckedResource* const made = pipeline.resource(name);
+    return std::ranges::count(host_image_names(), name) > 0 && (!made || made->input);
+}
+
+bool is_captured(const Session& session, const std::string& name) {
+    return captured_resource(session, name) != nullptr;
 }
 
 PlanarImage captured_image(const Session& session, const std::string& resource) {
-    return captured_texels(session, resource).texels.front().image;
+    return captured_texels(session, resource).front().image;
 }
 
 PlanarImage host_image(Device& device, const Session& session, const std::string& name) {
@@ -232,11 +241,21 @@ WrittenFrames frames_of_report(const std::filesystem::path& folder) {
 }
 
 void OutputWriter::write(const Session& session, const std::string& resource, uint32_t frame) {
-    if (is_host_image(resource))
-        return write(host_texels(device_, session, resource), resource, resource, frame);
-    const Layers layers = captured_texels(session, resource);
-    for (size_t i = 0; i < layers.texels.size(); ++i)
-        write(layers.texels[i], resource, resource + name_of_layer(session, i, layers), frame);
+    const std::vector<Texels> layers = is_captured(session, resource)
+                                           ? captured_texels(session, resource)
+                                           : std::vector{host_texels(device_, session, resource)};
+    const std::vector<std::string> files = names(session, resource, frame);
+    for (size_t i = 0; i < layers.size(); ++i) write(layers[i], resource, files[i], frame);
+}
+
+std::vector<std::string> OutputWriter::names(const Session& session, const std::string& resource,
+                                             uint32_t frame) {
+    const PlanResource* const captured = captured_resource(session, resource);
+    std::vector<std::string> out;
+    for (size_t i = 0; i < (captured ? captured->layers : 1); ++i)
+        out.push_back(
+            fmt::format("{}{}.{:04}", resource, captured ? name_of_layer(session, i, *captured) : "", frame));
+    return out;
 }
 
 void OutputWriter::write(const Texels& texels, const std::string& resource, const std::string& name,
@@ -246,10 +265,9 @@ void OutputWriter::write(const Texels& texels, const std::string& resource, cons
     out.frame = frame;
     out.hash = texels.hash;
     summarise(texels.image, out);
-    const std::string base = fmt::format("{}.{:04}", name, frame);
-    out.file = base + ".exr";
+    out.file = name + ".exr";
     write_exr(folder_ / out.file, texels.image);
-    write_png(folder_ / (base + ".png"), texels.image);
+    write_png(folder_ / (name + ".png"), texels.image);
     written_.push_back(std::move(out));
 }
 

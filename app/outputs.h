@@ -27,11 +27,14 @@ struct WrittenOutput {
 
 // Host inputs that can be captured beside the graph's own resources.
 std::span<const std::string> host_image_names();
-bool is_host_image(const std::string& name);
+// Whether a name means the host's image: not in a pipeline that makes a resource of this name itself.
+bool is_host_image(const CheckedPipeline& pipeline, const std::string& name);
+// Whether the graph has captured a resource of this name.
+bool is_captured(const Session& session, const std::string& name);
 
 // A captured resource of the frame that has just completed, of one with layers the first.
 PlanarImage captured_image(const Session& session, const std::string& resource);
-// A host image (see is_host_image) of that frame.
+// A host image (see host_image_names) of that frame.
 PlanarImage host_image(Device& device, const Session& session, const std::string& name);
 
 // The images that a folder's report.json lists and that nobody has touched since it was written, with their
@@ -44,8 +47,13 @@ class OutputWriter {
     OutputWriter(Device& device, std::filesystem::path folder)
         : device_(device), folder_(std::move(folder)) {}
 
-    // Writes one resource of the frame that has just completed, of one with layers a file for each.
+    // Writes one resource of the frame that has just completed, of one with layers a file for each: what the
+    // graph has captured, else the host's image.
     void write(const Session& session, const std::string& resource, uint32_t frame);
+
+    // What such a frame's files are called, without their ending.
+    static std::vector<std::string> names(const Session& session, const std::string& resource,
+                                          uint32_t frame);
 
     const std::vector<WrittenOutput>& written() const { return written_; }
 

@@ -3,7 +3,10 @@
 // memory for its tables, which null hardware does not have.
 #include "app/pass_statics.h"
 
-#include <map>
+#include <array>
+
+#include "host/device/descriptor_sets.h"
+#include "host/device/shader_module.h"
 
 namespace penumbra {
 namespace {
@@ -24,65 +27,22 @@ std::vector<Item> all_of(const Call& call, const Item& blank, const char* name, 
     return items;
 }
 
-struct Layout {
-    std::vector<Owned<VkDescriptorSetLayout>> sets;
-    Owned<VkPipelineLayout> layout;
-};
-
-Layout make_layout(const Device& device, const PlanPass& pass) {
-    std::map<uint32_t, std::vector<VkDescriptorSetLayoutBinding>> bindings{{0, {}}, {1, {}}};
+Owned<VkPipeline> make_pipeline(const Device& device, const Plan& plan, const PlanPass& pass) {
+    const char* node = pass.node.c_str();
+    std::array<std::vector<VkDescriptorSetLayoutBinding>, 2> bindings;
     for (const PlanBinding& b : pass.bindings)
-        bindings[b.set].push_back({b.binding, b.type, 1, VK_SHADER_STAGE_COMPUTE_BIT, nullptr});
-    Layout result;
-    std::vector<VkDescriptorSetLayout> sets;
-    for (const auto& [number, list] : bindings) {
-        VkDescriptorSetLayoutCreateInfo create{VK_STRUCTURE_TYPE_DESCRIPTOR_SET_LAYOUT_CREATE_INFO};
-        create.bindingCount = static_cast<uint32_t>(list.size());
-        create.pBindings = list.data();
-        VkDescriptorSetLayout set = VK_NULL_HANDLE;
-        check(vkCreateDescriptorSetLayout(device.get(), &create, nullptr, &set),
-              "vkCreateDescriptorSetLayout", pass.node);
-        result.sets.emplace_back(device.get(), set);
-        sets.push_back(set);
-    }
-    const VkPushConstantRange push{VK_SHADER_STAGE_COMPUTE_BIT, 0, static_cast<uint32_t>(pass.push.size())};
-    VkPipelineLayoutCreateInfo create{VK_STRUCTURE_TYPE_PIPELINE_LAYOUT_CREATE_INFO};
-    create.setLayoutCount = static_cast<uint32_t>(sets.size());
-    create.pSetLayouts = sets.data();
-    create.pushConstantRangeCount = pass.push.empty() ? 0 : 1;
-    create.pPushConstantRanges = &push;
-    VkPipelineLayout layout = VK_NULL_HANDLE;
-    check(vkCreatePipelineLayout(device.get(), &create, nullptr, &layout), "vkCreatePipelineLayout",
-          pass.node);
-    result.layout = {device.get(), layout};
-    return result;
-}
-
-Owned<VkPipeline> make_pipeline(const Device& device, const PlanPass& pass,
-                                const std::vector<uint32_t>& spirv, VkPipelineLayout layout) {
-    VkShaderModuleCreateInfo module_create{VK_STRUCTURE_TYPE_SHADER_MODULE_CREATE_INFO};
-    module_create.codeSize = spirv.size() * sizeof(uint32_t);
-    module_create.pCode = spirv.data();
-    VkShaderModule module = VK_NULL_HANDLE;
-    check(vkCreateShaderModule(device.get(), &module_create, nullptr, &module), "vkCreateShaderModule",
-          pass.node);
-    const Owned<VkShaderModule> owner(device.get(), module);
+        bindings.at(b.set).push_back({b.binding, b.type, 1, VK_SHADER_STAGE_COMPUTE_BIT, nullptr});
+    const Owned<VkDescriptorSetLayout> owners[] = {make_set_layout(device, bindings[0], node),
+                                                   make_set_layout(device, bindings[1], node)};
+    const VkDescriptorSetLayout sets[] = {owners[0].get(), owners[1].get()};
+    const Owned<VkPipelineLayout> layout = make_pipeline_layout(
+        device, sets, VK_SHADER_STAGE_COMPUTE_BIT, static_cast<uint32_t>(pass.push.size()), node);
     std::vector<VkSpecializationMapEntry> entries;
     for (uint32_t id = 0; id < pass.constants.size(); ++id) entries.push_back({id, id * 4, 4});
     const VkSpecializationInfo constants{static_cast<uint32_t>(entries.size()), entries.data(),
                                          pass.constants.size() * 4, pass.constants.data()};
-    VkComputePipelineCreateInfo create{VK_STRUCTURE_TYPE_COMPUTE_PIPELINE_CREATE_INFO};
-    create.flags = VK_PIPELINE_CREATE_CAPTURE_STATISTICS_BIT_KHR;
-    create.stage = {VK_STRUCTURE_TYPE_PIPELINE_SHADER_STAGE_CREATE_INFO};
-    create.stage.stage = VK_SHADER_STAGE_COMPUTE_BIT;
-    create.stage.module = module;
-    create.stage.pName = "main";
-    create.stage.pSpecializationInfo = &constants;
-    create.layout = layout;
-    VkPipeline pipeline = VK_NULL_HANDLE;
-    check(vkCreateComputePipelines(device.get(), VK_NULL_HANDLE, 1, &create, nullptr, &pipeline),
-          "vkCreateComputePipelines", pass.node);
-    return {device.get(), pipeline};
+    return make_compute_pipeline(device, plan.modules[*pass.module], layout.get(), node, &constants,
+                                 VK_PIPELINE_CREATE_CAPTURE_STATISTICS_BIT_KHR);
 }
 
 Statistic statistic(const VkPipelineExecutableStatisticKHR& s) {
@@ -141,9 +101,7 @@ std::vector<PassStatics> pass_statics(const Device& device, const Plan& plan,
     for (const PlanPass& pass : plan.passes) {
         if (progress) progress(done++ / static_cast<double>(plan.passes.size()));
         if (!pass.module) continue;
-        const Layout layout = make_layout(device, pass);
-        const Owned<VkPipeline> pipeline =
-            make_pipeline(device, pass, plan.modules[*pass.module], layout.layout.get());
+        const Owned<VkPipeline> pipeline = make_pipeline(device, plan, pass);
         result.push_back({pass.node,
                           pass.type,
                           {pass.constants[0], pass.constants[1], pass.constants[2]},

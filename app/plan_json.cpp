@@ -313,6 +313,7 @@ OrderedJson to_json(const Plan& plan) {
                         {"device", plan.device},
                         {"facts", facts_json(plan)},
                         {"jitter", plan.jitter},
+                        {"camera", plan.camera},
                         {"settles", plan.settles ? OrderedJson(*plan.settles) : OrderedJson()},
                         {"requirements", needs_json(plan)},
                         {"frame_block", frame_block_json()},

@@ -208,6 +208,7 @@ nlohmann::ordered_json plan_schema() {
          {"device", text},
          {"facts", Schema{{"type", "object"}, {"additionalProperties", flag}}},
          {"jitter", flag},
+         {"camera", flag},
          {"settles",
           doc(or_null(number), "frames that are alike, after which no output gets better; null: never")},
          {"requirements", list_of(requirement)},

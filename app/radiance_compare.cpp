@@ -11,10 +11,10 @@
 
 #include "app/input_files.h"
 #include "app/lit_picture.h"
+#include "app/metrics_json.h"
 #include "app/or_null.h"
 #include "app/progress.h"
 #include "app/radiance_json.h"
-#include "app/radiance_truth.h"
 #include "app/signal_files.h"
 #include "app/wrong.h"
 #include "host/images/image_file.h"
@@ -150,10 +150,7 @@ int compare_pictures(const CompareArguments& arguments) {
         list.push_back({{"frame", frame},
                         {"relmse", error.relmse},
                         {"bias", or_null(error.bias)},
-                        {"flip",
-                         {{"mean", error.flip.mean},
-                          {"weighted_median", error.flip.weighted_median},
-                          {"p95", error.flip.p95}}},
+                        {"flip", flip_json(error.flip)},
                         {"nonfinite", error.nonfinite}});
         if (!arguments.json)
             fmt::print(

@@ -13,7 +13,6 @@ std::unique_ptr<Session> open_own(Device& device, const Shot& shot, const OwnPip
     const auto checked = pipeline ? check(*pipeline, nodes, diagnostics) : std::nullopt;
     if (!checked) return nullptr;
     options.size = shot.size;
-    options.optimum = false;
     if (options.captures.empty()) options.captures = checked->output_names();
     return Session::open(device, nodes, *checked, shot, options, diagnostics, warnings);
 }

@@ -26,6 +26,7 @@
 #include "app/view_source.h"
 #include "app/wrong.h"
 #include "host/json_dump.h"
+#include "host/shots/model_shot.h"
 
 namespace penumbra {
 namespace {
@@ -63,6 +64,10 @@ std::optional<Job> prepare(const RenderArguments& arguments, const NodeSet& node
     const Shot& shot = view->shot;
     const MadeUpShot made_up{shot.file, view->made_up};
     const bool nobody_wrote = !made_up.text.empty();
+    if (arguments.cascade_size && !pipeline->input("cascade_maps") && !pipeline->input("cascade_bounds")) {
+        fmt::print(stderr, "--cascade-size: {} reads no shadow maps\n", pipeline->name);
+        return std::nullopt;
+    }
     FileList written{folder / "report.json"};
     if (nobody_wrote) written.push_back(shot.file);
     // Who asks for some frames alone may want them beside those that are there.
@@ -97,14 +102,15 @@ std::optional<Job> prepare(const RenderArguments& arguments, const NodeSet& node
             {}};
     job.graph_captures = job.pipeline.output_names();
     for (const std::string& name : arguments.captures) {
-        if (!is_host_image(name) && !job.pipeline.resource(name)) {
+        const bool of_host = is_host_image(job.pipeline, name);
+        if (!of_host && !job.pipeline.resource(name)) {
             std::vector<std::string> known(host_image_names().begin(), host_image_names().end());
             for (const CheckedResource& resource : job.pipeline.resources) known.push_back(resource.name);
             fmt::print(stderr, "--capture: {} has no \"{}\"{}\n", job.pipeline.name, name,
                        did_you_mean(name, known));
             return std::nullopt;
         }
-        auto& list = is_host_image(name) ? job.host_captures : job.graph_captures;
+        auto& list = of_host ? job.host_captures : job.graph_captures;
         if (std::find(list.begin(), list.end(), name) == list.end()) list.push_back(name);
     }
     return job;
@@ -157,6 +163,31 @@ void remove_earlier(const Job& job, const OutputWriter& outputs) {
                    counted(removed, "file"));
 }
 
+bool is_written(const Job& job, uint32_t frame, uint32_t every) {
+    return frame >= job.frames[0] && (frame - job.frames[0]) % every == 0;
+}
+
+// Of the images that this run writes those that are there already. The folder is gone through, since there
+// may be far more frames than files.
+FileList images_there(const Session& session, const Job& job, uint32_t every) {
+    std::set<std::string> stems;
+    for (const auto* captures : {&job.graph_captures, &job.host_captures})
+        for (const std::string& name : *captures)
+            for (uint32_t frame = job.frames[0]; frame <= job.frames[1]; ++frame)
+                if (is_written(job, frame, every))
+                    for (std::string& stem : OutputWriter::names(session, name, frame))
+                        stems.insert(std::move(stem));
+    FileList there;
+    std::error_code failure;
+    for (fs::directory_iterator entry(job.folder, failure), end; !failure && entry != end;
+         entry.increment(failure)) {
+        const fs::path& file = entry->path();
+        const bool image = file.extension() == ".exr" || file.extension() == ".png";
+        if (image && stems.contains(file.stem().string())) there.push_back(file);
+    }
+    return there;
+}
+
 int render(const RenderArguments& arguments, Job job, const NodeSet& nodes) {
     const fs::path shot_file = job.shot.file;
     Device device({arguments.device, arguments.validate});
@@ -167,7 +198,7 @@ int render(const RenderArguments& arguments, Job job, const NodeSet& nodes) {
     options.captures = job.graph_captures;
     options.seed = arguments.seed;
     options.light = arguments.light;
-    options.cascade_size = arguments.cascade_size;
+    if (arguments.cascade_size) options.cascade_size = *arguments.cascade_size;
     options.alias = !arguments.no_alias;
     if (arguments.no_jitter) options.jitter = false;
     options.validate = arguments.validate;
@@ -181,7 +212,8 @@ int render(const RenderArguments& arguments, Job job, const NodeSet& nodes) {
         Session::open(device, nodes, job.pipeline, std::move(job.shot), options, diagnostics, warnings);
     doing.clear();
     print_warnings(warnings);
-    if (!session) return wrong(diagnostics);
+    if (!session || !spares(images_there(*session, job, arguments.every), {job.read}, diagnostics))
+        return wrong(diagnostics);
     if (const std::string left = lamps_left_out(*session, lamps); !left.empty()) print_warning(left);
     const fs::path& folder = job.folder;
     fs::create_directories(folder);
@@ -198,7 +230,7 @@ int render(const RenderArguments& arguments, Job job, const NodeSet& nodes) {
         for (uint32_t frame = start; frame <= job.frames[1]; ++frame) {
             rendered.costs.push_back(session->run_frame(frame, frame == start));
             add_frame(findings, frame, rendered.costs.back().passes);
-            if (frame >= job.frames[0] && (frame - job.frames[0]) % arguments.every == 0) {
+            if (is_written(job, frame, arguments.every)) {
                 empty = empty && !shows_something(device, *session);
                 for (const std::string& name : job.graph_captures) outputs.write(*session, name, frame);
                 for (const std::string& name : job.host_captures) outputs.write(*session, name, frame);
@@ -214,7 +246,7 @@ int render(const RenderArguments& arguments, Job job, const NodeSet& nodes) {
     const std::string complaints = complaint(findings);
     std::cerr << complaints;
     const auto report = render_report(arguments, *session, job.pipeline, device.info(), rendered, findings,
-                                      outputs, warnings, fs::proximate(shot_file, folder));
+                                      outputs, warnings, seen_from(shot_file, folder));
     write_text(folder / "report.json", json_dump(report, 2) + "\n");
     print_summary(report);
     fmt::print("  written to {}/\n", folder.generic_string());

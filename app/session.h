@@ -36,7 +36,7 @@ struct SessionOptions {
     std::optional<uint32_t> poison;
     bool timestamps = true;
     Facts facts;           // instead of what the scene says
-    bool optimum = true;   // search for the smallest possible heap, for the report
+    bool optimum = false;  // search for the smallest possible heap
     bool steered = false;  // somebody will steer(): facts promise neither a still camera nor a sun that is up
     KeptScene* kept = nullptr;  // of the shot, where more than one session looks at it
     Told doing;                 // of what comes before the first frame

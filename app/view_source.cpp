@@ -8,8 +8,8 @@
 #include <array>
 #include <cctype>
 #include <glm/geometric.hpp>
-#include <map>
 #include <nlohmann/json.hpp>
+#include <set>
 
 #include "app/is_there.h"
 #include "app/progress.h"
@@ -44,7 +44,12 @@ std::optional<Shot> models_alone(const nlohmann::json& scene, const fs::path& fi
 }
 
 // Why a shot that nobody wrote cannot be read: mostly a size that no camera has numbers for.
-std::string why_not(const std::array<glm::dvec3, 2>& bounds, const Diagnostics& of_made_up) {
+std::string why_not(const Model& model, const std::array<glm::dvec3, 2>& bounds,
+                    const Diagnostics& of_made_up) {
+    const auto shown = [&](const Node& node) {
+        return node.mesh >= 0 && !model.meshes[static_cast<size_t>(node.mesh)].parts.empty();
+    };
+    if (std::ranges::none_of(model.nodes, shown)) return "has triangles, but no node of its scene shows any";
     const double size = glm::distance(bounds[0], bounds[1]),
                  far = std::max(glm::length(bounds[0]), glm::length(bounds[1]));
     std::string text = fmt::format("is {:.3g} m large, up to {:.3g} m from the origin: ", size, far);
@@ -64,12 +69,12 @@ void tell(const std::string& file, const ModelShot& made, const char* key) {
 nlohmann::ordered_json scene_of(const std::vector<std::string>& files, const fs::path& folder) {
     if (files.size() == 1) return seen_from(files[0], folder);
     auto list = nlohmann::ordered_json::array();
-    std::map<std::string, int> used;
+    std::set<std::string> taken;
     for (const std::string& file : files) {
         const std::string stem = fs::path(file).stem().string();
-        const int nth = ++used[stem];
-        list.push_back(
-            {{"file", seen_from(file, folder)}, {"name", nth > 1 ? fmt::format("{} {}", stem, nth) : stem}});
+        std::string name = stem;
+        for (int nth = 2; !taken.insert(name).second; ++nth) name = fmt::format("{} {}", stem, nth);
+        list.push_back({{"file", seen_from(file, folder)}, {"name", name}});
     }
     return list;
 }
@@ -104,7 +109,7 @@ std::optional<ViewSource> open_models(const std::vector<std::string>& files, boo
     Diagnostics of_made_up;  // of a file that nobody wrote
     auto shot = parse_shot(made.text, shot_file, of_made_up);
     if (!shot) {
-        diagnostics.add({files[0]}, "", why_not(made.bounds, of_made_up));
+        diagnostics.add({files[0]}, "", why_not(*model, made.bounds, of_made_up));
         return std::nullopt;
     }
     name_as_given(*shot, files);
@@ -206,7 +211,8 @@ std::string view_name(const ViewArguments& arguments) {
     std::string name =
         fs::path(arguments.models.empty() ? arguments.shot : arguments.models[0]).stem().string();
     if (name.ends_with(".shot")) name.resize(name.size() - 5);
-    return name;
+    // Dots alone would name a folder above.
+    return name.find_first_not_of('.') == name.npos ? "unnamed" : name;
 }
 
 std::optional<ViewSource> open_view(const ViewArguments& arguments, const fs::path& folder,

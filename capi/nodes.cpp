@@ -59,12 +59,14 @@ penumbra_code penumbra_call_port(const penumbra_call* call, const char* port, pe
     return guarded(error, [&] {
         const HostPassContext& c = given(call, "call").context;
         if (const ResourceHandles* r = c.resource(named(port, "port")))
-            return write(bound, {0, r->image, r->view, r->buffer, r->texels, r->bytes, 0}, "bound");
+            return write(bound,
+                         {0, r->image, r->view, r->buffer, r->texels, r->bytes, 0, VK_IMAGE_LAYOUT_GENERAL},
+                         "bound");
         const SlotBinding* s = c.slot(port);
         if (!s) misuse(port, "nothing is bound to a port of this name");
         write(bound,
               {0, s->handover ? s->handover->image : VK_NULL_HANDLE, s->image, s->buffer, s->texels, s->range,
-               s->offset},
+               s->offset, s->layout, s->structure},
               "bound");
     });
 }

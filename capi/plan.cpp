@@ -88,6 +88,21 @@ VkFormat format_of(PortKind kind, Format format) {
     return kind == PortKind::image || kind == PortKind::texels ? info(format).vk : VK_FORMAT_UNDEFINED;
 }
 
+// What a host's image is made for.
+VkImageUsageFlags usage_of(const Plan& plan, uint32_t slot) {
+    const HostSlot& s = plan.slots[slot];
+    if (s.kind != PortKind::image) return 0;
+    for (const PlanResource& r : plan.resources)
+        if (r.slot == slot) return r.image_usage;
+    constexpr std::pair<VkAccessFlags2, VkImageUsageFlags> uses[] = {
+        {VK_ACCESS_2_SHADER_SAMPLED_READ_BIT, VK_IMAGE_USAGE_SAMPLED_BIT},
+        {VK_ACCESS_2_SHADER_STORAGE_READ_BIT, VK_IMAGE_USAGE_STORAGE_BIT}};
+    VkImageUsageFlags usage = 0;
+    for (const auto& [access, bit] : uses)
+        if (s.use.access & access) usage |= bit;
+    return usage;
+}
+
 }  // namespace
 
 const char* penumbra_version(void) {
@@ -105,9 +120,12 @@ penumbra_code penumbra_plan_create(const penumbra_plan_request* request, penumbr
             std::vector<const char*>& names = made->accepted.emplace_back();
             for (const Format format : slot.accepted) names.push_back(info(format).name);
         }
-        for (const PlanPass& pass : made->plan->passes)
+        for (const PlanPass& pass : made->plan->passes) {
+            std::vector<const char*>& counters = made->counters.emplace_back();
+            for (const std::string& name : pass.counters) counters.push_back(name.c_str());
             for (const PlanParam& p : pass.params)
                 for (const std::string& name : p.param.values) made->enums[&p.param].push_back(name.c_str());
+        }
         *plan = made.release();
     });
 }
@@ -119,7 +137,7 @@ void penumbra_plan_destroy(penumbra_plan* plan) {
 penumbra_code penumbra_plan_read(const penumbra_plan* plan, penumbra_plan_info* info, penumbra_error* error) {
     return guarded(error, [&] {
         const Plan& p = *given(plan, "plan").plan;
-        write(info, {0, p.jitter, p.settles.value_or(UINT32_MAX)}, "info");
+        write(info, {0, p.jitter, p.settles.value_or(UINT32_MAX), p.camera}, "info");
     });
 }
 
@@ -135,7 +153,8 @@ penumbra_code penumbra_plan_slot(const penumbra_plan* plan, uint32_t index, penu
         write(slot,
               {0, static_cast<penumbra_slot_kind>(s.kind), s.name.c_str(), format_of(s.kind, s.format),
                s.extent.width, s.extent.height, s.layers, s.bytes, s.output, s.required, s.use.stages,
-               s.use.access, accepted.data(), static_cast<uint32_t>(accepted.size()), s.layered},
+               s.use.access, accepted.data(), static_cast<uint32_t>(accepted.size()), s.layered, 1,
+               usage_of(*plan->plan, index)},
               "slot");
     });
 }
@@ -154,7 +173,7 @@ penumbra_code penumbra_plan_output(const penumbra_plan* plan, uint32_t index, pe
         write(output,
               {0, static_cast<penumbra_slot_kind>(r.kind), o.name.c_str(), format_of(r.kind, r.format),
                r.extent.width, r.extent.height, r.layers, bytes, VK_TRUE, VK_TRUE, o.use.stages, o.use.access,
-               nullptr, 0, r.layered},
+               nullptr, 0, r.layered, r.levels, r.image_usage},
               "output");
     });
 }
@@ -198,7 +217,23 @@ penumbra_code penumbra_plan_pass(const penumbra_plan* plan, uint32_t index, penu
                                  penumbra_error* error) {
     return guarded(error, [&] {
         const PlanPass& p = one_of(given(plan, "plan").plan->passes, index, "index", "the plan", "passes");
-        write(pass, {0, static_cast<uint32_t>(p.params.size()), p.node.c_str(), p.type.c_str()}, "pass");
+        const std::vector<const char*>& counters = plan->counters[index];
+        write(pass,
+              {0, static_cast<uint32_t>(p.params.size()), p.node.c_str(), p.type.c_str(), counters.data(),
+               static_cast<uint32_t>(counters.size())},
+              "pass");
+    });
+}
+
+uint32_t penumbra_plan_member_count(const penumbra_plan* plan) {
+    return plan ? static_cast<uint32_t>(plan->plan->members.size()) : 0;
+}
+
+penumbra_code penumbra_plan_member(const penumbra_plan* plan, uint32_t index, const char** member,
+                                   penumbra_error* error) {
+    return guarded(error, [&] {
+        given(member, "member") =
+            one_of(given(plan, "plan").plan->members, index, "index", "the plan", "members").c_str();
     });
 }
 

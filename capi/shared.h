@@ -22,6 +22,7 @@ struct penumbra_plan {
     std::shared_ptr<const penumbra::Plan> plan;
     std::vector<penumbra::Requirement> needs;
     std::vector<std::vector<const char*>> accepted;                    // slot by slot
+    std::vector<std::vector<const char*>> counters;                    // pass by pass
     std::map<const penumbra::Param*, std::vector<const char*>> enums;  // names of the plan's values
 };
 struct penumbra_program {

@@ -135,7 +135,8 @@ penumbra_code penumbra_view_output(const penumbra_view* view, const char* name, 
                                    penumbra_error* error) {
     return guarded(error, [&] {
         const ResourceHandles& r = given(view, "view").view->output(named(name, "name"));
-        write(output, {0, r.image, r.view, r.buffer, r.texels, r.bytes, 0}, "output");
+        write(output, {0, r.image, r.view, r.buffer, r.texels, r.bytes, 0, VK_IMAGE_LAYOUT_GENERAL},
+              "output");
     });
 }
 
@@ -172,6 +173,7 @@ penumbra_code penumbra_view_completed(const penumbra_view* view, uint64_t* frame
 
 const char* penumbra_view_reset_reason(const penumbra_view* view, const char** resource) {
     constexpr const char* names[] = {"none", "first_frame", "asked", "not_handed_on", "woken"};
+    if (resource) *resource = "";
     if (!view) return names[0];
     const Reset& reset = view->view->reset();
     if (resource) *resource = reset.resource.c_str();

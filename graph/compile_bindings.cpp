@@ -307,6 +307,11 @@ void Compiler::bind_output(const SelectedNode& selected, uint32_t index, uint32_
             r.image_usage |= VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT;  // a callback may draw
     }
     bind_resource(port, resource, false, binding);
+    if (pass.kind == PassKind::host && port.updated_input) {  // a callback asks for either by its name
+        pass.bindings.push_back(pass.bindings.back());
+        pass.bindings.back().port = selected.node->type().ports[*port.updated_input].name;
+        pass.bindings.back().output = false;
+    }
     if (variant_.rows && port.in_rows)  // the graph's own: what is put out is the image
         pass.bindings.push_back(
             {.binding = binding + 1, .type = VK_DESCRIPTOR_TYPE_STORAGE_BUFFER, .index = resource});

@@ -72,7 +72,8 @@ void Compiler::lower_capture(uint32_t captured) {
 
 void Compiler::check_needs(const BoundNode& node) {
     for (const std::string& need : node.type().needs) {
-        if (need != "jitter" && !target_.device.features.contains(need))
+        if (need == "camera") plan_.camera = true;
+        if (need != "jitter" && need != "camera" && !target_.device.features.contains(need))
             error(node.place, "nodes." + node.id,
                   fmt::format("the device \"{}\" lacks {} among its features", plan_.device, need));
     }

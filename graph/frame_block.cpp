@@ -57,9 +57,8 @@ FrameBlock make_frame_block(const FrameDescription& frame, uint32_t device_sub_p
         block.size.v[i] = frame.size[i];
         block.prev_size.v[i] = frame.prev_size[i];
     }
-    // One pixel spans 2 / height in ndc; at the centre ndc.y is so many times tan(angle), also where the
-    // projection turns the image.
-    const double ndc_per_tangent = std::hypot(clip_from_view[0][1], clip_from_view[1][1]);
+    // One pixel spans 2 / height in ndc; at the centre ndc.y is so many times tan(angle).
+    const double ndc_per_tangent = std::abs(clip_from_view[1][1]);
     block.pixel_angle = static_cast<float>(2.0 / (std::max(frame.size[1], 1u) * ndc_per_tangent));
     block.dt_s = frame.dt_s;
     block.frame_index = frame.index;

@@ -17,7 +17,20 @@ bool all_finite(const auto& numbers) {
     return std::ranges::all_of(numbers, [](double x) { return std::isfinite(x); });
 }
 
-void check_camera(const Camera& camera, const std::string& place) {
+bool is_given(const Camera& camera) {
+    return std::ranges::any_of(camera.clip_from_view, [](double x) { return x != 0; });
+}
+
+// What shaders take for granted of a projection (shaders/common/camera.glsl): x and y each make their own
+// coordinate, and what w is.
+bool is_upright(const glm::dmat4& m, bool orthographic) {
+    const double w = orthographic ? m[3][3] : -m[2][3], other_w = orthographic ? m[2][3] : m[3][3];
+    return std::ranges::all_of(
+        std::array{m[0][1], m[0][2], m[0][3], m[1][0], m[1][2], m[1][3], other_w, w - 1},
+        [](double x) { return std::abs(x) < 1e-6; });
+}
+
+void check_camera(const Camera& camera, bool orthographic, const std::string& place) {
     const auto wrong = [&](const char* member, const char* text) {
         fail(ErrorCode::usage, fmt::format("FrameDescription::{}.{}", place, member), text);
     };
@@ -33,11 +46,17 @@ void check_camera(const Camera& camera, const std::string& place) {
     if (std::any_of(glm::value_ptr(inverse), glm::value_ptr(inverse) + 16,
                     [](double x) { return !std::isfinite(x); }))
         wrong("clip_from_view", "has no inverse: it is the unjittered projection, as perspective() makes it");
+    if (!is_upright(glm::make_mat4(camera.clip_from_view.data()), orthographic))
+        wrong("clip_from_view",
+              orthographic ? "has another w than 1, or turns or shears the image: is the camera orthographic "
+                             "(FrameDescription::flags)?"
+                           : "has another w than -z, or turns or shears the image: it looks along -z "
+                             "(without perspective: frame_orthographic), and a picture is turned when shown");
     if (!std::isfinite(camera.near_m)) wrong("near_m", "is not finite");
 }
 
 // In pixels, which is the usual mistake, it would be some of the image's.
-void check_jitter(const FrameDescription& frame) {
+void check_jitter(const FrameDescription& frame, const Plan& plan) {
     for (size_t i = 0; i < 2; ++i)
         if (!(std::abs(frame.jitter[i]) * frame.size[i] <= 2))
             fail(ErrorCode::usage, "FrameDescription::jitter",
@@ -46,16 +65,28 @@ void check_jitter(const FrameDescription& frame) {
     if (!std::ranges::all_of(frame.prev_jitter, [](double x) { return std::abs(x) <= 1; }))
         fail(ErrorCode::usage, "FrameDescription::prev_jitter",
              "is more than the image, in whose units it is");
+    if (!plan.jitter && (frame.jitter[0] != 0 || frame.jitter[1] != 0))
+        fail(ErrorCode::usage, "FrameDescription::jitter",
+             "is not 0, and the plan was made for images that nobody jitters: say that you do "
+             "(Target::jitters)");
 }
 
 }  // namespace
 
-void check_frame(const FrameDescription& frame, bool reads_previous) {
-    // All zeros: there is none, for a pipeline that asks for no camera.
-    const bool has_camera = std::ranges::any_of(frame.camera.clip_from_view, [](double x) { return x != 0; });
-    if (has_camera) check_camera(frame.camera, "camera");
-    if (has_camera && reads_previous) check_camera(frame.previous, "previous");
-    check_jitter(frame);
+void check_frame(const FrameDescription& frame, const Plan& plan, bool has_past) {
+    const bool orthographic = (frame.flags & frame_orthographic) != 0;
+    if (plan.camera && !is_given(frame.camera))
+        fail(ErrorCode::usage, "FrameDescription::camera.clip_from_view",
+             fmt::format("is all zeros, and \"{}\" asks for a camera", plan.pipeline));
+    if (is_given(frame.camera)) {
+        check_camera(frame.camera, orthographic, "camera");
+        const bool reads_previous = has_past && !(frame.flags & frame_reset) && !plan.reset.empty();
+        if (reads_previous) check_camera(frame.previous, orthographic, "previous");
+    }
+    if ((frame.flags & frame_unchanged) && has_past && frame.camera != frame.previous)
+        fail(ErrorCode::usage, "FrameDescription::flags",
+             "promise that nothing has changed (frame_unchanged), and camera is not previous");
+    check_jitter(frame, plan);
     if (!std::isfinite(frame.dt_s)) fail(ErrorCode::usage, "FrameDescription::dt_s", "is not finite");
     constexpr uint32_t flags = frame_reset | frame_orthographic | frame_depth_at_centres | frame_unchanged;
     if (frame.flags & ~flags)

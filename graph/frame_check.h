@@ -4,10 +4,12 @@
 #pragma once
 
 #include "penumbra/frame_block.h"
+#include "penumbra/plan.h"
 
 namespace penumbra {
 
-// Throws a Failure of ErrorCode::usage that names the member. `reads_previous`: there is a frame before.
-void check_frame(const FrameDescription& frame, bool reads_previous);
+// Throws a Failure of ErrorCode::usage that names the member. `has_past`: a frame before was recorded, by
+// this view or the one that it is the heir of.
+void check_frame(const FrameDescription& frame, const Plan& plan, bool has_past);
 
 }  // namespace penumbra

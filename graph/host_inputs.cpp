@@ -100,6 +100,9 @@ std::vector<HostResource> resolve_inputs(const CheckedPipeline& pipeline, const 
             r = brought->second;
         else
             r = {input.format ? *input.format : common_format(readers), wanted};
+        if (input.kind == PortKind::image && (r.extent.width == 0 || r.extent.height == 0 || r.layers == 0))
+            error("extent", fmt::format("the host brings an image of {}x{} and {} layers", r.extent.width,
+                                        r.extent.height, r.layers));
         const std::string* layered = list ? layered_by(pipeline, selection, i) : nullptr;
         if (layered && (brought == target.inputs.end() || r.extent.height == 0))
             error("extent", fmt::format("\"{}\" has a layer for each of its rows: say how many, as in "

@@ -88,7 +88,7 @@ void ViewState::begin(VkCommandBuffer cmd, const FrameDescription& frame,
                          plan().extent.width, plan().extent.height));
     check_commands(cmd, plan());
     const bool has_past = recorded_ > 0 || (options_.heir_of && options_.heir_of->state().recorded_ > 0);
-    check_frame(frame, has_past && !(frame.flags & frame_reset) && !plan().reset.empty());
+    check_frame(frame, plan(), has_past);
     if (next_pass_ != not_begun && !(frame.flags & frame_reset))
         fail(ErrorCode::usage, plan().pipeline,
              "the frame before was begun and not ended: end(), or frame_reset");
@@ -154,8 +154,8 @@ void ViewState::record_handovers(VkCommandBuffer cmd, bool back) {
         if (!b.handover) continue;
         const HostSlot& slot = plan().slots[i];
         const Handover& h = *b.handover;
-        const uint32_t other = back ? h.family_after : h.family_before;
-        const bool foreign = is_foreign(other);
+        const uint32_t family = back ? h.family_after : h.family_before;
+        const bool foreign = is_foreign(family);
         const bool image = slot.kind == PortKind::image;
         const VkImageLayout during = slot.output ? VK_IMAGE_LAYOUT_GENERAL : b.layout;
         const VkImageLayout outside = back ? h.layout_after : h.layout_before;
@@ -163,9 +163,16 @@ void ViewState::record_handovers(VkCommandBuffer cmd, bool back) {
         const VkPipelineStageFlags2 stages = back ? h.stages_after : h.stages_before;
         const VkAccessFlags2 access = back ? h.access_after : h.access_before;
         if (!stages && !foreign && (!image || outside == during)) continue;
-        // A transfer's other half is on the other queue, and so are the scopes there.
-        const VkPipelineStageFlags2 theirs = foreign ? VK_PIPELINE_STAGE_2_NONE : stages;
-        const VkAccessFlags2 their_access = foreign ? VK_ACCESS_2_NONE : access;
+        // A transfer's other half is on the other queue, and so are the scopes there. A barrier, or a
+        // semaphore's wait, of the host's that reaches the frame's accesses reaches a change of layout before
+        // them only if that begins there; and the other way round.
+        const bool chains = !stages && !foreign;
+        const VkPipelineStageFlags2 theirs = foreign && back ? VkPipelineStageFlags2{VK_PIPELINE_STAGE_2_NONE}
+                                             : foreign || chains ? slot.use.stages
+                                                                 : stages;
+        const VkAccessFlags2 their_access = foreign  ? VkAccessFlags2{VK_ACCESS_2_NONE}
+                                            : chains ? slot.use.access
+                                                     : access;
         const VkAccessFlags2 ours =
             back ? (slot.output ? slot.use.access : VkAccessFlags2{VK_ACCESS_2_NONE}) : slot.use.access;
         const auto fill = [&](auto& barrier) {
@@ -173,20 +180,22 @@ void ViewState::record_handovers(VkCommandBuffer cmd, bool back) {
             barrier.srcAccessMask = back ? ours : their_access;
             barrier.dstStageMask = back ? theirs : slot.use.stages;
             barrier.dstAccessMask = back ? their_access : ours;
-            barrier.srcQueueFamilyIndex = !foreign ? VK_QUEUE_FAMILY_IGNORED : back ? own : other;
-            barrier.dstQueueFamilyIndex = !foreign ? VK_QUEUE_FAMILY_IGNORED : back ? other : own;
+            barrier.srcQueueFamilyIndex = !foreign ? VK_QUEUE_FAMILY_IGNORED : back ? own : family;
+            barrier.dstQueueFamilyIndex = !foreign ? VK_QUEUE_FAMILY_IGNORED : back ? family : own;
+        };
+        const auto joins = [](auto& list, const auto& barrier, auto&& is_same) {  // in two slots, alike
+            const auto same = std::ranges::find_if(list, is_same);                // (check_slot_bindings)
+            if (same == list.end()) return false;
+            same->srcStageMask |= barrier.srcStageMask;
+            same->srcAccessMask |= barrier.srcAccessMask;
+            same->dstStageMask |= barrier.dstStageMask;
+            same->dstAccessMask |= barrier.dstAccessMask;
+            return true;
         };
         if (image) {
             VkImageMemoryBarrier2 barrier{VK_STRUCTURE_TYPE_IMAGE_MEMORY_BARRIER_2};
             fill(barrier);
-            const auto same = std::ranges::find(images_, h.image, &VkImageMemoryBarrier2::image);
-            if (same != images_.end()) {  // in two slots, alike (check_slot_bindings)
-                same->srcStageMask |= barrier.srcStageMask;
-                same->srcAccessMask |= barrier.srcAccessMask;
-                same->dstStageMask |= barrier.dstStageMask;
-                same->dstAccessMask |= barrier.dstAccessMask;
-                continue;
-            }
+            if (joins(images_, barrier, [&](const auto& other) { return other.image == h.image; })) continue;
             barrier.oldLayout = back ? during : outside;
             barrier.newLayout = back ? outside : during;
             barrier.image = h.image;
@@ -196,6 +205,10 @@ void ViewState::record_handovers(VkCommandBuffer cmd, bool back) {
         } else {
             VkBufferMemoryBarrier2 barrier{VK_STRUCTURE_TYPE_BUFFER_MEMORY_BARRIER_2};
             fill(barrier);
+            if (joins(buffers_, barrier, [&](const auto& other) {
+                    return other.buffer == b.buffer && other.offset == b.offset && other.size == b.range;
+                }))
+                continue;
             barrier.buffer = b.buffer;
             barrier.offset = b.offset;
             barrier.size = b.range;

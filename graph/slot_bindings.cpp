@@ -40,10 +40,17 @@ bool is_bound(PortKind kind, const SlotBinding& b) {
     }
 }
 
-bool same_transitions(const SlotBinding& a, const SlotBinding& b) {
+bool is_same(PortKind kind, const SlotBinding& a, const SlotBinding& b) {
+    return kind == PortKind::image ? a.handover->image == b.handover->image
+                                   : a.buffer == b.buffer && a.offset == b.offset && a.range == b.range;
+}
+
+bool same_transitions(PortKind kind, const SlotBinding& a, const SlotBinding& b) {
     const Handover &x = *a.handover, &y = *b.handover;
-    return a.layout == b.layout && x.layout_before == y.layout_before && x.layout_after == y.layout_after &&
-           x.family_before == y.family_before && x.family_after == y.family_after && x.aspects == y.aspects;
+    const bool families = x.family_before == y.family_before && x.family_after == y.family_after;
+    return kind != PortKind::image ? families
+                                   : families && a.layout == b.layout && x.layout_before == y.layout_before &&
+                                         x.layout_after == y.layout_after && x.aspects == y.aspects;
 }
 
 }  // namespace
@@ -54,15 +61,19 @@ void ViewState::check_slot_bindings(std::span<const SlotBinding> bindings) const
              fmt::format("{} slots were bound, the plan has {}", bindings.size(), plan().slots.size()));
     for (size_t i = 0; i < bindings.size(); ++i) {
         check_slot_binding(plan().slots[i], bindings[i]);
-        if (!bindings[i].handover || plan().slots[i].kind != PortKind::image) continue;
+        if (!bindings[i].handover) continue;
+        const HostSlot& slot = plan().slots[i];
         for (size_t before = 0; before < i; ++before) {
-            if (!bindings[before].handover || bindings[before].handover->image != bindings[i].handover->image)
+            const HostSlot& other = plan().slots[before];
+            const bool image = slot.kind == PortKind::image;
+            if (!bindings[before].handover || (other.kind == PortKind::image) != image ||
+                !is_same(slot.kind, bindings[before], bindings[i]))
                 continue;
-            const bool written = plan().slots[before].output || plan().slots[i].output;
-            if (written || !same_transitions(bindings[before], bindings[i]))
-                fail(ErrorCode::usage, fmt::format("the slot \"{}\"", plan().slots[i].name),
-                     fmt::format("its image is handed over as \"{}\", too, {}", plan().slots[before].name,
-                                 written ? "and one of them is written" : "and otherwise"));
+            const bool written = other.output || slot.output;
+            if (written || !same_transitions(slot.kind, bindings[before], bindings[i]))
+                fail(ErrorCode::usage, fmt::format("the slot \"{}\"", slot.name),
+                     fmt::format("its {} is handed over as \"{}\", too, {}", image ? "image" : "buffer",
+                                 other.name, written ? "and one of them is written" : "and otherwise"));
         }
     }
 }

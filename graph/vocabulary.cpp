@@ -295,6 +295,7 @@ std::vector<std::string> kind_words(const Domain& domain) {
 std::vector<std::string> need_words(const Domain& domain) {
     std::vector<std::string> words = domain.features;
     words.emplace_back("jitter");
+    words.emplace_back("camera");
     return words;
 }
 

@@ -29,11 +29,16 @@ for target in "${targets[@]}"; do
     own=$out/corpus/$target broken=$out/broken/$target
     [[ -z $runs ]] || rm -rf "$own"
     mkdir -p "$own" "$broken"
-    seeds=("tests/fuzz/corpus/$target" "$broken")
+    seeds=("$broken")
+    [[ ! -d tests/fuzz/corpus/$target ]] || seeds+=("tests/fuzz/corpus/$target")
     case $target in
         pipeline) seeds+=(pipelines tests/golden/broken) ;;
         declaration) seeds+=(nodes tests/golden/broken) ;;
-        shot) seeds+=(scenes/tuning) ;;
+        shot)
+            mkdir -p "$out/shots" # a fuzzer reads a folder with all that is below it
+            cp scenes/*.shot.json "$out/shots"
+            seeds+=("$out/shots" scenes/tuning)
+            ;;
     esac
     dictionary=()
     [[ ! -f tests/fuzz/$target.dict ]] || dictionary=(-dict="tests/fuzz/$target.dict")

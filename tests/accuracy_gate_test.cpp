@@ -3,14 +3,10 @@
 // effective samples per pixel that they have reached. Docs: docs/accuracy.md has the full tables.
 #include <algorithm>
 #include <cmath>
-#include <filesystem>
 
 #include "app/gates/gates.h"
-#include "app/session.h"
-#include "host/images/texels.h"
 #include "host/metrics/mask_error.h"
 #include "host/truth/analytic.h"
-#include "penumbra/shadow_nodes.h"
 #include "tests/gpu_test.h"
 #include "tests/shot_run.h"
 
@@ -42,54 +38,18 @@ Shot shot_of(const AnalyticScene& scene) {
     return shot;
 }
 
-CheckedPipeline mask_pipeline(const std::string& name, const NodeSet& nodes) {
-    Diagnostics diagnostics;
-    auto pipeline = load_pipeline(std::filesystem::path(PENUMBRA_SOURCE_DIR) / "pipelines" / (name + ".json"),
-                                  {}, diagnostics);
-    if (pipeline)
-        std::erase_if(pipeline->outputs, [](const OutputName& o) { return o.name != "visibility"; });
-    auto checked = pipeline ? check(*pipeline, nodes, diagnostics) : std::nullopt;
-    if (!checked) throw std::runtime_error(diagnostics.text());
-    return std::move(*checked);
-}
-
-// Pipelines choose its format.
-Format visibility_format(const Plan& plan) {
-    for (const PlanPass& pass : plan.passes)
-        if (pass.kind == PassKind::capture && pass.node == "visibility")
-            return plan.resources[pass.bindings.front().index].format;
-    throw std::logic_error("visibility is not captured");
-}
-
-std::vector<float> last_image(const CheckedPipeline& pipeline, const NodeSet& nodes, const Shot& shot,
-                              uint32_t seed) {
-    SessionOptions options;
-    options.size = shot.size;
-    options.captures = {"visibility"};
-    options.seed = seed;
-    options.jitter = false;
-    options.optimum = false;
-    const auto session = open_session(pipeline, shot, options, nodes);
-    for (uint32_t frame = 0; frame <= last_frame; ++frame) session->run_frame(frame, frame == 0);
-    const auto image = decode_texels(visibility_format(session->plan()), width, height,
-                                     session->view().captured("visibility"), {"Y"});
-    return image.planes.front().values;
-}
-
 class Gates : public GpuTest {};
 class AccuracyGate : public GpuTest, public ::testing::WithParamInterface<GateCase> {};
 
 TEST_P(AccuracyGate, EffectiveSamplesAreKept) {
-    static const NodeSet nodes = shadow_nodes();
     const GateCase& c = GetParam();
     const Shot shot = shot_of(c.scene);
     ASSERT_FALSE(analytic_problem(shot, 0)) << analytic_problem(shot, 0)->text;
-    const CheckedPipeline pipeline = mask_pipeline(c.pipeline, nodes);
     std::vector<std::vector<float>> images;
-    for (uint32_t seed = 1; seed <= seeds; ++seed) images.push_back(last_image(pipeline, nodes, shot, seed));
+    for (uint32_t seed = 1; seed <= seeds; ++seed)
+        images.push_back(ShotRun(c.pipeline, shot, {.seed = seed}).up_to(last_frame));
 
-    const std::vector<double> exact = analytic_image(shot, last_frame);
-    const std::vector<float> truth(exact.begin(), exact.end());
+    const std::vector<float> truth = analytic_truth(shot, last_frame).visibility;
     std::vector<uint8_t> counted = analytic_receivers(shot, last_frame);
     for (size_t p = 0; p < counted.size(); ++p) {
         const size_t x = p % width, y = p / width;
@@ -107,8 +67,7 @@ TEST_P(AccuracyGate, EffectiveSamplesAreKept) {
 // a tilted receiver this holds only where the closed form, the camera and the sheet agree.
 
 TEST_F(Gates, ReadOneSampleOfOneRay) {
-    static const NodeSet nodes = shadow_nodes();
-    const CheckedPipeline raw = mask_pipeline("raw", nodes);
+    const CheckedPipeline raw = shipped_pipeline("raw");
     gates::Study study;
     study.size = {width, height};
     study.border_px = border;
@@ -121,7 +80,7 @@ TEST_F(Gates, ReadOneSampleOfOneRay) {
     study.tilted_seeds = 2;
     Diagnostics diagnostics;
     std::vector<std::string> warnings;
-    const gates::Bench bench{gpu(), nodes, raw, study, [] {}, diagnostics, warnings};
+    const gates::Bench bench{gpu(), shipped_nodes(), raw, study, [] {}, diagnostics, warnings};
     const auto still = gates::measure_still(bench, 16);
     const auto moving = gates::measure_moving(bench, 16);
     const auto tilted = gates::measure_tilted(bench, 16, 75);

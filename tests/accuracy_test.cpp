@@ -2,12 +2,8 @@
 // The published denoiser, through the whole pipeline on a device, on a shadow edge whose visibility is known
 // exactly: it must score as the published form is known to, in effective samples per pixel. docs/accuracy.md
 // has the table.
-#include <filesystem>
-
-#include "app/session.h"
 #include "host/metrics/metrics.h"
 #include "host/truth/analytic.h"
-#include "penumbra/shadow_nodes.h"
 #include "tests/gpu_test.h"
 #include "tests/shot_run.h"
 
@@ -34,39 +30,12 @@ Shot shot_of(const Case& c) {
     return shot;
 }
 
-std::vector<float> values_of(const Session& session) {
-    const std::span<const std::byte> bytes = session.view().captured("visibility");
-    std::vector<float> values;
-    for (const std::byte b : bytes) values.push_back(static_cast<float>(b) / 255.0f);
-    return values;
-}
-
 MaskMetrics measure_case(const Case& c) {
-    static const NodeSet nodes = shadow_nodes();
-    Diagnostics diagnostics;
-    const auto path = std::filesystem::path(PENUMBRA_SOURCE_DIR) / "pipelines" / (c.name + ".json");
-    auto pipeline = load_pipeline(path, c.settings, diagnostics);
-    if (pipeline)
-        std::erase_if(pipeline->outputs,
-                      [](const OutputName& output) { return output.name != "visibility"; });
-    const auto checked = pipeline ? check(*pipeline, nodes, diagnostics) : std::nullopt;
-    if (!checked) throw std::runtime_error(diagnostics.text());
-
     const Shot shot = shot_of(c);
     std::vector<std::vector<float>> images;
-    for (uint32_t seed = 1; seed <= c.seeds; ++seed) {
-        SessionOptions options;
-        options.size = shot.size;
-        options.captures = {"visibility"};
-        options.seed = seed;
-        options.jitter = false;
-        options.optimum = false;
-        const auto session = open_session(*checked, shot, options, nodes);
-        for (uint32_t frame = 0; frame <= c.frame; ++frame) session->run_frame(frame, frame == 0);
-        images.push_back(values_of(*session));
-    }
-    const std::vector<double> exact = analytic_image(shot, c.frame);
-    const std::vector<float> truth(exact.begin(), exact.end());
+    for (uint32_t seed = 1; seed <= c.seeds; ++seed)
+        images.push_back(ShotRun(c.name, shot, {.settings = c.settings, .seed = seed}).up_to(c.frame));
+    const std::vector<float> truth = analytic_truth(shot, c.frame).visibility;
     std::vector<uint8_t> counted;  // what the published form does at the image's border is not in question
     for (uint32_t y = 0; y < height; ++y)
         for (uint32_t x = 0; x < width; ++x)

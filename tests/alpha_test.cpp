@@ -56,7 +56,6 @@ Shot shot_of(const fs::path& model, std::array<uint32_t, 2> size) {
 std::unique_ptr<Session> open(const char* pipeline, const Shot& shot, std::vector<std::string> captures) {
     SessionOptions options;
     options.size = shot.size;
-    options.optimum = false;
     options.jitter = false;
     options.captures = std::move(captures);
     return open_session(shipped_pipeline(pipeline), shot, options);

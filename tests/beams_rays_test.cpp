@@ -24,7 +24,6 @@ Verdicts judge(Shot shot, double angle_deg, uint32_t side) {
     shot.sun_angular_radius_deg = angle_deg;
     SessionOptions options;
     options.size = shot.size;
-    options.optimum = false;
     options.jitter = false;
     options.captures = {"view_depth",     "receiver_normal", "receiver_words", "undecided_words",
                         "preloaded_hits", "tile_list",       "trace_args"};
@@ -123,7 +122,6 @@ void expect_the_words_of_raw(const Shot& shot, std::initializer_list<uint32_t> f
     for (const std::string pipeline : {"raw", "many_rays"}) {
         SessionOptions options;
         options.size = shot.size;
-        options.optimum = false;
         options.captures = {"hits", "visibility"};
         const auto session = open_session(shipped_pipeline(pipeline, settings), shot, options);
         for (const uint32_t frame : frames) {

@@ -28,7 +28,6 @@ class Beams : public GpuTest {
     void open(const Shot& shot) {
         SessionOptions options;
         options.size = shot.size;
-        options.optimum = false;
         options.jitter = false;
         options.captures = {"proved"};
         session_ = open_session(shipped_pipeline("many_rays"), shot, options);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 // A budget of rays per frame: it is kept, whatever the camera does; nobody waits for a ray for longer than is
 // said; further rays are those that trace would cast; a budget of nothing casts nothing.
+#include <array>
 #include <bit>
 #include <cmath>
 #include <map>
@@ -9,7 +10,6 @@
 #include "penumbra/shadow_nodes.h"
 #include "tests/gpu_test.h"
 #include "tests/shot_run.h"
-#include "tests/test_scene.h"
 #include "tests/view_run.h"
 
 namespace penumbra::test {
@@ -28,7 +28,8 @@ uint64_t further_rays(const std::vector<uint32_t>& ray_bits) {
     return n;
 }
 
-constexpr size_t tiles_across = 24;  // of a ShotRun
+constexpr std::array<uint32_t, 2> size{192, 108};
+constexpr size_t tiles_across = size[0] / 8;
 
 bool is_proved(const std::vector<uint32_t>& proved, size_t tile) {
     return (proved[tile / tiles_across] >> tile % tiles_across & 1) != 0;
@@ -52,9 +53,7 @@ Shot standing(Shot shot) {
 
 // The mean over 24 frames of coverage.
 std::vector<float> covered_mean(const Shot& shot) {
-    ShotRun run(shot, "covered", {}, {});
-    for (uint32_t frame = 0; frame < 24; ++frame) run.frame(frame, frame == 0);
-    return run.visibility();
+    return ShotRun("covered", shot).up_to(23);
 }
 
 double effective_rays(const std::vector<float>& seen, const std::vector<float>& truth) {
@@ -71,9 +70,9 @@ class Budget : public GpuTest {};
 TEST_F(Budget, IsKeptInEveryFrame) {
     for (const double rays : {0.1, 0.5, 1.0, 2.0}) {
         SCOPED_TRACE(rays);
-        ShotRun run(shot_named("colonnade"), "shadows",
-                    {"nodes.pilots.params.rays_per_frame=" + std::to_string(rays)},
-                    {"ray_words", "ray_bits", "sunward_words", "proved"});
+        ShotRun run("shadows", shot_named("colonnade", size),
+                    {{"nodes.pilots.params.rays_per_frame=" + std::to_string(rays)},
+                     {"ray_words", "ray_bits", "sunward_words", "proved"}});
         for (uint32_t frame = 0; frame < 8; ++frame) {
             run.frame(frame, frame == 0 || frame == 4);  // a cut: nothing is known
             const double budget = std::floor(rays * double(bits_in(run.words("sunward_words"))));
@@ -89,12 +88,13 @@ TEST_F(Budget, IsKeptInEveryFrame) {
 // Standing still nearly everything is lit or shadowed for certain: one ray in four frames, or in as many as a
 // smaller share says, but no more than 32, and no pixel is forgotten.
 TEST_F(Budget, NobodyWaitsForLongerThanItIsSaid) {
-    const Shot shot = standing(shot_named("colonnade"));
+    const Shot shot = standing(shot_named("colonnade", size));
     for (const auto& [trickle, within, most] :
          {std::tuple{"0.25", 4u, 0.6}, std::tuple{"0.6", 3u, 1.0}, std::tuple{"0.01", 32u, 0.35}}) {
         SCOPED_TRACE(trickle);
-        ShotRun run(shot, "shadows", {std::string("nodes.pilots.params.trickle=") + trickle},
-                    {"ray_words", "sunward_words", "known"});
+        ShotRun run("shadows", shot,
+                    {{std::string("nodes.pilots.params.trickle=") + trickle},
+                     {"ray_words", "sunward_words", "known"}});
         std::map<size_t, uint32_t> cast;
         uint64_t rays = 0;
         for (uint32_t frame = 0; frame < 40 + within; ++frame) {
@@ -113,11 +113,11 @@ TEST_F(Budget, NobodyWaitsForLongerThanItIsSaid) {
 // Whichever share of the pixels has a ray, the rays of each lie evenly over the sun: half of 24 lie on either
 // side. Measured, root mean square: .03 to .05; .19 to .21 where turns go on by as many pixels as have one.
 TEST_F(Budget, APixelsRaysSeeAllOfTheSunWhateverItsShare) {
-    const Shot shot = standing(shot_named("colonnade"));
+    const Shot shot = standing(shot_named("colonnade", size));
     for (const auto& [share, frames] : {std::pair{"0.41", 68u}, {"0.6", 52u}}) {  // 13 and 19 of a tile's 32
         SCOPED_TRACE(share);
-        ShotRun run(shot, "shadows", {std::string("nodes.pilots.params.trickle=") + share},
-                    {"ray_words", "ray_points"});
+        ShotRun run("shadows", shot,
+                    {{std::string("nodes.pilots.params.trickle=") + share}, {"ray_words", "ray_points"}});
         std::map<size_t, std::pair<int, int>> rays;  // of a pixel: all, and those to one half of the sun
         for (uint32_t frame = 0; frame < frames; ++frame) {
             run.frame(frame, frame == 0);
@@ -149,8 +149,8 @@ TEST_F(Budget, APixelsRaysSeeAllOfTheSunWhateverItsShare) {
 // and more moves by more than its share, half as much again for what moves together. Measured: .04; .23 where
 // it is limited to what this frame allows.
 TEST_F(Budget, AFrameIsOneOfManyWhereNothingCanChange) {
-    const Shot shot = standing(shot_named("trees"));
-    ShotRun run(shot, "one_ray", {}, {"state"});
+    const Shot shot = standing(shot_named("trees", size));
+    ShotRun run("one_ray", shot, {.captures = {"state"}});
     std::vector<uint32_t> before;
     double most = 0;
     for (uint32_t frame = 0; frame < 40; ++frame) {
@@ -173,11 +173,9 @@ TEST_F(Budget, OwnRaysOutweighAWrongPastInFramesOfSeveral) {
     // 682 on trees where several are worth more to their mean than their number.
     for (const auto& [name, least] : {std::pair{"engine", 1000.0}, std::pair{"trees", 730.0}}) {
         SCOPED_TRACE(name);
-        const Shot shot = standing(shot_named(name));
+        const Shot shot = standing(shot_named(name, size));
         const auto truth = covered_mean(shot);
-        ShotRun run(shot, "shadows", {}, {});
-        for (uint32_t frame = 0; frame < 64; ++frame) run.frame(frame, frame == 0);
-        const double n_eff = effective_rays(run.visibility(), truth);
+        const double n_eff = effective_rays(ShotRun("shadows", shot).up_to(63), truth);
         RecordProperty(std::string("n_eff_") + name, std::to_string(n_eff));
         EXPECT_GT(n_eff, least);
     }
@@ -186,12 +184,9 @@ TEST_F(Budget, OwnRaysOutweighAWrongPastInFramesOfSeveral) {
 // Where people walk and a lamp swings an edge goes on by pixels: what the own rays have said before is over,
 // and 26 of this frame say so. Measured: 34; 8 where they count for no more than their number.
 TEST_F(Budget, ManyOwnRaysEndWhatTheOwnRaysHaveSaid) {
-    const Shot shot = shot_named("lamp");
-    ShotRun covered(shot, "covered", {"nodes.cover.params.samples=256"}, {});
-    ShotRun run(shot, "shadows", {}, {});
-    for (uint32_t frame = 0; frame <= 15; ++frame) run.frame(frame, frame == 0);
-    covered.frame(15, true);
-    const double n_eff = effective_rays(run.visibility(), covered.visibility());
+    const Shot shot = shot_named("lamp", size);
+    ShotRun covered("covered", shot, {{"nodes.cover.params.samples=256"}});
+    const double n_eff = effective_rays(ShotRun("shadows", shot).up_to(15), covered.frame(15, true));
     RecordProperty("n_eff", std::to_string(n_eff));
     EXPECT_GT(n_eff, 20);
 }
@@ -199,13 +194,10 @@ TEST_F(Budget, ManyOwnRaysEndWhatTheOwnRaysHaveSaid) {
 // Where nothing can change, who has long said one thing says it to its neighbours without a ray: a penumbra's
 // neighbourhood is whole in every frame, not every fourth. Measured: .87 of the squared error.
 TEST_F(Budget, WhatCannotChangeSpeaksWithoutARay) {
-    const Shot shot = standing(shot_named("engine"));
-    constexpr uint32_t last = 127;
+    const Shot shot = standing(shot_named("engine", size));
     const auto truth = covered_mean(shot);
     const auto rays_with = [&](std::vector<std::string> settings) {
-        ShotRun run(shot, "shadows_fast", std::move(settings), {});
-        for (uint32_t frame = 0; frame <= last; ++frame) run.frame(frame, frame == 0);
-        return effective_rays(run.visibility(), truth);
+        return effective_rays(ShotRun("shadows_fast", shot, {std::move(settings)}).up_to(127), truth);
     };
     EXPECT_GT(0.92 * rays_with({}), rays_with({"nodes.gather.in.known=null", "nodes.soften.in.known=null"}));
 }
@@ -213,9 +205,9 @@ TEST_F(Budget, WhatCannotChangeSpeaksWithoutARay) {
 // Those that four frames have found amid their like, within two pixels, and else those that twenty-four have.
 TEST_F(Budget, WhoIsAmidItsLikeIsKnownSoon) {
     constexpr int width = 192, height = 108;
-    ShotRun run(standing(shot_named("engine")), "shadows_fast", {},
-                {"known", "state", "sunward_words", "proved"});
-    for (uint32_t frame = 0; frame < 12; ++frame) run.frame(frame, frame == 0);
+    ShotRun run("shadows_fast", standing(shot_named("engine", size)),
+                {.captures = {"known", "state", "sunward_words", "proved"}});
+    run.up_to(11);
     const std::vector<uint32_t> before = run.words("state");
     run.frame(12, false);
     const auto known = run.words("known"), sunward = run.words("sunward_words"), proved = run.words("proved");
@@ -255,7 +247,7 @@ TEST_F(Budget, WhoIsAmidItsLikeIsKnownSoon) {
 // one, nearly all of it is seen in the second.
 TEST_F(Budget, AChangeWhereAllHadSettledIsSeen) {
     constexpr uint32_t changes = 40;
-    Shot shot = shot_named("lamp");
+    Shot shot = shot_named("lamp", size);
     for (auto& [name, motion] : shot.objects) {
         ObjectKey before = object_at(motion, 0), after = object_at(motion, 24);
         before.frame = changes - 1;
@@ -263,11 +255,10 @@ TEST_F(Budget, AChangeWhereAllHadSettledIsSeen) {
         motion.keys = {before, after};
     }
     const auto truth_at = [&](uint32_t frame) {
-        ShotRun raw(shot, "raw",
-                    {"nodes.trace.params.rays_per_pixel=32", "resources.visibility={\"format\": \"r16f\"}"},
-                    {});
-        raw.frame(frame, true);
-        return captured_planes(raw.view(), "visibility").at(0);
+        return ShotRun(
+                   "raw", shot,
+                   {{"nodes.trace.params.rays_per_pixel=32", "resources.visibility={\"format\": \"r16f\"}"}})
+            .frame(frame, true);
     };
     const auto before = truth_at(changes - 1), after = truth_at(changes);
     std::vector<size_t> changed;
@@ -275,11 +266,10 @@ TEST_F(Budget, AChangeWhereAllHadSettledIsSeen) {
         if (std::abs(before[i] - after[i]) == 1.0F) changed.push_back(i);
     ASSERT_GE(changed.size(), 200u);
 
-    ShotRun run(shot, "shadows", {}, {});
+    ShotRun run("shadows", shot);
     for (uint32_t frame = 0; frame < changes + 6; ++frame) {
-        run.frame(frame, frame == 0);
+        const auto seen = run.frame(frame, frame == 0);
         if (frame < changes) continue;
-        const auto seen = captured_planes(run.view(), "visibility").at(0);
         size_t late = 0;
         for (const size_t i : changed) late += std::abs(seen[i] - after[i]) > 0.25F;
         const double share = double(late) / double(changed.size());
@@ -298,7 +288,7 @@ TEST_F(Budget, AChangeWhereAllHadSettledIsSeen) {
 TEST_F(Budget, WhatMayChangeIsNeverKnownForCertain) {
     for (const bool may_move : {true, false}) {
         SCOPED_TRACE(may_move);
-        Shot shot = shot_named("lamp");
+        Shot shot = shot_named("lamp", size);
         for (auto& [name, motion] : shot.objects) {
             motion.keys = {object_at(motion, 0)};
             if (!may_move) continue;
@@ -306,8 +296,8 @@ TEST_F(Budget, WhatMayChangeIsNeverKnownForCertain) {
             motion.keys.back().frame = 100;
             motion.keys.push_back({101, {1, 0, 0}, {}});
         }
-        ShotRun run(shot, "shadows", {}, {"known", "proved"});
-        for (uint32_t frame = 0; frame < 40; ++frame) run.frame(frame, frame == 0);
+        ShotRun run("shadows", shot, {.captures = {"known", "proved"}});
+        run.up_to(39);
         const auto known = run.words("known"), proved = run.words("proved");
         uint64_t certain = 0;
         for (size_t i = 3; i < known.size(); i += 4)
@@ -322,8 +312,8 @@ TEST_F(Budget, WhatMayChangeIsNeverKnownForCertain) {
 
 // After a cut no past knows anything of a pixel: one without a ray has no part in what its cell is sure of.
 TEST_F(Budget, WhoeverHasNoRayAfterACutIsNotTested) {
-    ShotRun run(shot_named("colonnade"), "shadows", {"nodes.pilots.params.rays_per_frame=0.1"},
-                {"ray_words", "idle_cells"});
+    ShotRun run("shadows", shot_named("colonnade", size),
+                {{"nodes.pilots.params.rays_per_frame=0.1"}, {"ray_words", "idle_cells"}});
     constexpr uint32_t not_idle = 0x00030001;  // common/shadow_state.glsl
     for (uint32_t frame = 0; frame < 5; ++frame) {
         run.frame(frame, frame == 0 || frame == 4);
@@ -346,8 +336,8 @@ TEST_F(Budget, WhoeverHasNoRayAfterACutIsNotTested) {
 }
 
 TEST_F(Budget, OfNothingCastsNothing) {
-    ShotRun run(shot_named("colonnade"), "shadows", {"nodes.pilots.params.rays_per_frame=0"},
-                {"ray_words", "ray_bits", "proved"});
+    ShotRun run("shadows", shot_named("colonnade", size),
+                {{"nodes.pilots.params.rays_per_frame=0"}, {"ray_words", "ray_bits", "proved"}});
     for (uint32_t frame = 0; frame < 3; ++frame) {
         run.frame(frame, frame == 0);
         EXPECT_EQ(bits_in(first_rays(run)), 0u);
@@ -358,12 +348,11 @@ TEST_F(Budget, OfNothingCastsNothing) {
 // A beam's word is worth more than any ray's: what is proved gets none, beside a shadow's edge neither, and
 // is shown as it is, while the others have all of the budget.
 TEST_F(Budget, WhatABeamProvesTakesNoRay) {
-    ShotRun run(shot_named("lamp"), "shadows", {},
-                {"ray_words", "ray_bits", "proved", "sunward_words", "visibility_words"});
-    for (uint32_t frame = 0; frame < 6; ++frame) run.frame(frame, frame == 0);
+    ShotRun run("shadows", shot_named("lamp", size),
+                {.captures = {"ray_words", "ray_bits", "proved", "sunward_words", "visibility_words"}});
+    const auto seen = run.up_to(5);
     const auto proved = run.words("proved"), bits = run.words("ray_bits"),
                sunward = run.words("sunward_words"), lit = run.words("visibility_words");
-    const auto seen = run.visibility();
     size_t pixels = 0, further = 0, unlike = 0;
     for (size_t i = 0; i < bits.size(); ++i) {
         const size_t x = i % 192, y = i / 192, tile = y / 4 * tiles_across + x / 8, bit = y % 4 * 8 + x % 8;
@@ -382,8 +371,8 @@ TEST_F(Budget, WhatABeamProvesTakesNoRay) {
 // In a frame of which nothing is known before: a pixel that got n rays, said to be lit by so many of them, as
 // raw.json says with n rays per pixel.
 TEST_F(Budget, FurtherRaysAreThoseOfTheWholeSet) {
-    ShotRun run(shot_named("colonnade"), "shadows", {"nodes.pilots.params.rays_per_frame=4"},
-                {"ray_words", "ray_bits", "hits"});
+    ShotRun run("shadows", shot_named("colonnade", size),
+                {{"nodes.pilots.params.rays_per_frame=4"}, {"ray_words", "ray_bits", "hits"}});
     run.frame(0, true);
     const auto bits = run.words("ray_bits"), hits = run.words("hits");
     std::map<uint32_t, std::vector<size_t>> by_count;
@@ -392,13 +381,13 @@ TEST_F(Budget, FurtherRaysAreThoseOfTheWholeSet) {
     ASSERT_GE(by_count.size(), 2u);
     for (const auto& [n, pixels] : by_count) {
         SCOPED_TRACE(n);
-        ShotRun raw(shot_named("colonnade"), "raw",
-                    {"nodes.trace.params.rays_per_pixel=" + std::to_string(n),
-                     "resources.visibility={\"format\": \"r16f\"}"},
-                    {"fraction", "hits"});
+        ShotRun raw("raw", shot_named("colonnade", size),
+                    {{"nodes.trace.params.rays_per_pixel=" + std::to_string(n),
+                      "resources.visibility={\"format\": \"r16f\"}"},
+                     {"fraction", "hits"}});
         raw.frame(0, true);
         const auto first = raw.words("hits");
-        const auto shares = captured<uint8_t>(raw.view(), "fraction");
+        const auto shares = captured<uint8_t>(raw.session().view(), "fraction");
         size_t unlike = 0;
         for (const size_t i : pixels) {
             const size_t x = i % 192, y = i / 192, tile = y / 4 * 24 + x / 8, bit = y % 4 * 8 + x % 8;

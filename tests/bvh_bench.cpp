@@ -156,7 +156,7 @@ void bench(RTCDevice device, const View& view, std::vector<std::string> shaders)
         Compute* gpu = devices.back().get();
         gpu->load(shader, bindings);
         gpu->bind(contents);
-        tracers.push_back({shader + " on " + gpu->properties().deviceName, [gpu, &rays] {
+        tracers.push_back({shader + " on " + vulkan.info().name, [gpu, &rays] {
                                gpu->run(uint32_t((rays.size() + 63) / 64), uint32_t(rays.size()));
                                const auto* answers = static_cast<const uint32_t*>(gpu->mapped(3));
                                return uint64_t(std::count(answers, answers + rays.size(), 1u));

@@ -49,7 +49,7 @@ class BvhGpu : public GpuTest {
             VK_DESCRIPTOR_TYPE_UNIFORM_TEXEL_BUFFER, VK_DESCRIPTOR_TYPE_UNIFORM_TEXEL_BUFFER,
             VK_DESCRIPTOR_TYPE_STORAGE_BUFFER, VK_DESCRIPTOR_TYPE_STORAGE_BUFFER};
         compute.load(BVH_RAYS_SPV, bindings);
-        cpu_device = compute.properties().deviceType == VK_PHYSICAL_DEVICE_TYPE_CPU;
+        cpu_device = gpu().info().is_cpu;
         VkPhysicalDeviceDriverProperties driver{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_DRIVER_PROPERTIES};
         VkPhysicalDeviceSubgroupProperties lanes{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_SUBGROUP_PROPERTIES,
                                                  &driver};
@@ -58,7 +58,7 @@ class BvhGpu : public GpuTest {
         walks_together = cpu_device && lanes.subgroupSize == 8;
         if (walks_together) together.load(BVH_RAYS_TOGETHER_SPV, bindings);
         keeps_denormals = driver.driverID == VK_DRIVER_ID_MESA_LLVMPIPE;  // which does not promise it
-        std::printf("device: %s\n", compute.properties().deviceName);
+        std::printf("device: %s\n", gpu().info().name.c_str());
     }
 
     // A CPU device divides with correct rounding and must agree bit for bit. Vulkan allows others 2.5 ulp in
@@ -67,7 +67,7 @@ class BvhGpu : public GpuTest {
     void expect_equal(const std::string& name, const std::vector<Triangle>& triangles,
                       const std::vector<Ray>& rays, double most_differ = 1e-4) {
         const Bvh bvh = build_bvh(triangles);
-        const size_t most = compute.properties().limits.maxTexelBufferElements;
+        const size_t most = test::gpu().limits().maxTexelBufferElements;
         if (std::max(bvh.nodes.size(), bvh.leaves.size()) > most) {
             std::printf("%s: more than the %zu texels of a buffer here\n", name.c_str(), most);
             return;

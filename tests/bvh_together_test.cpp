@@ -20,7 +20,6 @@ std::unique_ptr<Session> first_frame(bool together, const std::string& pipeline,
     SessionOptions options;
     options.size = {160, 90};
     options.cpu = together;
-    options.optimum = false;
     options.captures = {capture};
     options.light = light;
     auto session =

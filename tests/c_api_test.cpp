@@ -124,6 +124,7 @@ TEST_F(CApiGpu, AnOlderCallersStructsAreShorter) {
     penumbra_view* view = nullptr;
     ASSERT_EQ(penumbra_view_create(program, nullptr, &view, &error_), PENUMBRA_OK) << error_.text;
     penumbra_frame frame{};
+    look(frame);
     frame.size[0] = 29;
     frame.size[1] = 13;
     older(frame, &penumbra_frame::flags);
@@ -174,6 +175,9 @@ TEST_F(CApiGpu, NothingThrowsWhateverIsNull) {
     EXPECT_EQ(penumbra_view_bytes(nullptr), 0u);
     EXPECT_FALSE(penumbra_view_settled(nullptr));
     EXPECT_STREQ(penumbra_view_reset_reason(nullptr, nullptr), "none");
+    const char* resource = nullptr;
+    EXPECT_STREQ(penumbra_view_reset_reason(nullptr, &resource), "none");
+    EXPECT_STREQ(resource, "");
     penumbra_plan_destroy(nullptr);
     penumbra_program_destroy(nullptr);
     penumbra_view_destroy(nullptr);
@@ -261,6 +265,7 @@ TEST_F(CApiGpu, AHostsMistakesAndItsMemoryAreSaidAsTheyAre) {
 
     penumbra_frame frame{};
     frame.struct_size = sizeof frame;
+    look(frame);
     frame.size[0] = 29;
     frame.size[1] = 13;
     gpu().run([&](VkCommandBuffer cmd) {

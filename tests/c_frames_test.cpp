@@ -99,6 +99,7 @@ class CFramesGpu : public GpuTest {
         request_.captures = &output_;
         request_.capture_count = 1;
         request_.share_transients = request_.hand_on_history = VK_TRUE;
+        request_.jitters = PENUMBRA_JITTERS_ALWAYS;
         given_ = sized<penumbra_external>();
         given_.name = "given";
         given_.layout = VK_IMAGE_LAYOUT_GENERAL;

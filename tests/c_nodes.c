@@ -49,7 +49,7 @@ static void draw(const penumbra_call* call) {
     if (penumbra_call_param(call, "gain", &s->gain, &none, &own) != PENUMBRA_USAGE) ++s->wrong;
     if (penumbra_call_port(call, "nosuch", &drawn, &own) != PENUMBRA_USAGE || strcmp(own.place, "nosuch")) ++s->wrong;
     if (penumbra_call_param(call, "nosuch", NULL, &count, &own) != PENUMBRA_USAGE) ++s->wrong;
-    if (strcmp(info.node, "engine") || !drawn.image) ++s->wrong;
+    if (strcmp(info.node, "engine") || !drawn.image || drawn.layout != VK_IMAGE_LAYOUT_GENERAL) ++s->wrong;
     s->frame = info.frame_index;
     s->width = info.size[0];
     const VkClearColorValue colour = {.float32 = {(float)s->gain}};
@@ -115,7 +115,9 @@ const char* run_c_nodes(c_host* host) {
         REQUIRE(penumbra_view_set_param(view, "engine", "way", &beyond, 1, &error) == PENUMBRA_USAGE);
         for (uint32_t f = 0; f < 3; ++f) {
             penumbra_frame frame = {.struct_size = sizeof frame, .index = f, .size = {24 - 8 * f, 16 - f}};
-            for (int k = 0; k < 16; k += 5) frame.camera.clip_from_view[k] = frame.previous.clip_from_view[k] = 1;
+            static const double clip[16] = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 0, -1, 0, 0, 1, 0};
+            memcpy(frame.camera.clip_from_view, clip, sizeof clip);
+            memcpy(frame.previous.clip_from_view, clip, sizeof clip);
             for (int k = 0; k < 9; k += 4) frame.camera.world_from_view[k] = frame.previous.world_from_view[k] = 1;
             REQUIRE(penumbra_view_record(view, host->begin(), &frame, NULL, 0, &error) == PENUMBRA_OK);
             host->submit_and_wait();

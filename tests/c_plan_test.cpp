@@ -4,6 +4,7 @@
 #include <array>
 #include <cstring>
 #include <limits>
+#include <set>
 #include <string>
 #include <utility>
 #include <vector>
@@ -137,7 +138,41 @@ TEST_F(CPlanGpu, FormatsThatASlotAcceptsAreThoseThatARequestTakes) {
         EXPECT_EQ(penumbra_plan_create(&request, &plan_, &error_), PENUMBRA_OK) << name << error_.text;
         EXPECT_FALSE(slot_of("depth").layered);
     }
-    EXPECT_EQ(slot_of("view_depth").accepted_count, 0u) << "the plan's own";
+    EXPECT_EQ(depth.usage, VkImageUsageFlags{VK_IMAGE_USAGE_SAMPLED_BIT});
+    const penumbra_slot view_depth = slot_of("view_depth");
+    EXPECT_EQ(view_depth.accepted_count, 0u) << "the plan's own";
+    EXPECT_TRUE(view_depth.usage & VK_IMAGE_USAGE_STORAGE_BIT);
+    EXPECT_EQ(view_depth.levels, 1u);
+    auto info = sized<penumbra_plan_info>();
+    ASSERT_EQ(penumbra_plan_read(plan_, &info, &error_), PENUMBRA_OK);
+    EXPECT_TRUE(info.camera);
+}
+
+TEST_F(CPlanGpu, MembersAndCountersHaveNames) {
+    auto request = request_of(nullptr);
+    request.file = PENUMBRA_SOURCE_DIR "/pipelines/lights_shadows.json";
+    request.text = nullptr;
+    const penumbra_device device = c_device();
+    request.device = &device;
+    ASSERT_EQ(penumbra_plan_create(&request, &plan_, &error_), PENUMBRA_OK) << error_.text;
+    std::set<std::string> members, counters;
+    const char* member = nullptr;
+    for (uint32_t i = 0; i < penumbra_plan_member_count(plan_); ++i) {
+        ASSERT_EQ(penumbra_plan_member(plan_, i, &member, &error_), PENUMBRA_OK);
+        members.insert(member);
+    }
+    EXPECT_FALSE(members.empty());
+    EXPECT_EQ(penumbra_plan_member(plan_, static_cast<uint32_t>(members.size()), &member, &error_),
+              PENUMBRA_USAGE);
+    EXPECT_EQ(penumbra_plan_member(plan_, 0, nullptr, &error_), PENUMBRA_USAGE);
+    EXPECT_EQ(penumbra_plan_member_count(nullptr), 0u);
+    for (uint32_t i = 0; i < penumbra_plan_pass_count(plan_); ++i) {
+        auto pass = sized<penumbra_pass>();
+        ASSERT_EQ(penumbra_plan_pass(plan_, i, &pass, &error_), PENUMBRA_OK);
+        for (uint32_t k = 0; k < pass.counter_count; ++k)
+            counters.insert(std::string(pass.type) + "." + pass.counters[k]);
+    }
+    EXPECT_TRUE(counters.contains("allot.allotted"));
 }
 
 TEST_F(CPlanGpu, AnInputIsSpokenOfOnce) {

@@ -40,7 +40,8 @@ inline penumbra_device c_device() {
 // By some camera, in both frames.
 inline void look(penumbra_frame& frame) {
     for (penumbra_camera* camera : {&frame.camera, &frame.previous}) {
-        for (int k = 0; k < 16; k += 5) camera->clip_from_view[k] = 1;
+        for (const int k : {0, 5, 14}) camera->clip_from_view[k] = 1;
+        camera->clip_from_view[11] = -1;
         for (int k = 0; k < 9; k += 4) camera->world_from_view[k] = 1;
     }
 }

@@ -35,6 +35,47 @@ TEST_F(CapturedFiles, AnImageHasAllItsChannels) {
         }
 }
 
+// A pipeline's own image is meant where it is called as one of the host's is, be it an output or not.
+TEST_F(CapturedFiles, AnImageNamedAsAHostImageIsThePipelines) {
+    const auto mine = [&](const std::string& call, const std::string& output) {
+        return file("mine.json", R"({ "extends": ")" PENUMBRA_SOURCE_DIR R"(/pipelines/raw.json",
+            "name": "mine", "inputs": { "albedo": null }, "outputs": [")" +
+                                     output + R"("], "nodes": { "shade": null,
+            "again": { "type": "invert", "out": { "shadow": ")" +
+                                     call + R"(" } } } })");
+    };
+    const std::string of_lamp = " --nodes examples/invert/nodes --shot lamp --size 48x32 ";
+    const auto written = [&](const std::string& pipeline, const std::string& name, const char* more = "") {
+        const Result result = run("render " + pipeline + of_lamp + "--frames 0 --out " + in("o") + more);
+        EXPECT_EQ(result.code, 0) << result.err;
+        return read_file(in("o/" + name + ".0000.png"));
+    };
+    const std::string expected = written(mine("mask", "mask"), "mask");
+    EXPECT_EQ(written(mine("albedo", "albedo"), "albedo"), expected);
+    EXPECT_EQ(written(mine("albedo", "visibility"), "albedo", " --capture albedo"), expected);
+}
+
+// What lights or covers the scene may lie where a frame would be written.
+TEST_F(CapturedFiles, AFrameIsNotWrittenOverWhatIsRead) {
+    fs::create_directories(folder_ / "o");
+    fs::copy_file(PENUMBRA_SOURCE_DIR "/scenes/lamp.glb", in("lamp.glb"));
+    PlanarImage sky{.width = 8, .height = 4, .planes = {}};
+    for (const char* channel : {"R", "G", "B"})
+        sky.planes.push_back({.name = channel, .values = std::vector<float>(32, 1)});
+    write_exr(in("o/visibility.0000.exr"), sky);
+    file("lit.shot.json", R"({ "penumbra_shot": 1, "scene": "lamp.glb", "frames": 2,
+        "environment": { "file": "o/visibility.0000.exr" } })");
+    const std::string before = read_file(in("o/visibility.0000.exr")),
+                      command = "render raw --size 48x32 --shot " + in("lit.shot.json") + " --out " + in("o");
+    expect(run(command + " --frames 0..1"), 2,
+           in("o/visibility.0000.exr") + ": is read, and would be written over");
+    EXPECT_EQ(read_file(in("o/visibility.0000.exr")), before);
+    EXPECT_FALSE(fs::exists(in("o/visibility.0000.png"))) << "nothing is written in part";
+    const Result others = run(command + " --frames 1");
+    EXPECT_EQ(others.code, 0) << others.err;
+    EXPECT_EQ(read_file(in("o/visibility.0000.exr")), before);
+}
+
 // A buffer of vectors has four channels, and all of its elements: two for each of 12x8 cells.
 TEST_F(CapturedFiles, ABufferOfVectorsIsWhole) {
     const std::string out = (folder_ / "cells").string();

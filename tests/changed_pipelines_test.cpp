@@ -38,7 +38,7 @@ class ChangedPipelines : public GpuTest {
         if (!checked) return false;
         SessionOptions options;
         options.size = size;
-        options.optimum = options.pass_costs = false;
+        options.pass_costs = false;
         options.cascade_size = 64;
         std::vector<std::string> warnings;
         const auto session = Session::open(gpu(), nodes, *checked, shot, options, diagnostics, warnings);

@@ -137,6 +137,36 @@ TEST_F(CliRobustness, WhatCannotBeAnsweredIsRefused) {
     expect(run("bench raw --sizes 640"), 2, "--sizes: ");
     expect(run("view --window 1280 --shot engine"), 2, "--window: ");
     expect(run("gates raw --parts still --edge-deg 0 --widths 0.5 --seeds 1"), 2, "no pixel's centre");
+    for (const char* option : {"--budget", "--beams", "--gather", "--no-jitter", "--ground", "--device x"})
+        expect(run("explain --out c.svg --costs x.json " + std::string(option)), 2, "excludes");
+    expect(run("explain --shot lights/interior --out c.svg"), 2, "has no sun");
+    expect(run("render raw --shot lamp --cascade-size 64" + out), 2, "--cascade-size: ");
+    expect(run("render raw --shot lamp --cascade-size 017" + out), 2, "reads no shadow maps");  // 15 in octal
+    const std::string view = "view raw --shot lamp --headless ";
+    expect(run(view + "v.png --rays 16"), 2, "--rays: ");
+    expect(run(view + "v.png" + out), 2, "excludes");
+    expect(run(view + "v.jpg"), 2, "end its name in .png");
+}
+
+// Names that no JSON holds, that would be a folder above, or that another model's number has taken.
+TEST_F(CliRobustness, ModelsOfOddNamesHaveShots) {
+    const auto triangle = [&](const char* name, const char* nodes = R"([{"mesh": 0}])") {
+        return file(name, std::string(R"({"asset": {"version": "2.0"}, "scene": 0, "scenes": [{"nodes": [0]}],
+            "meshes": [{"primitives": [{"attributes": {"POSITION": 0}}]}], "nodes": )") +
+                              nodes + R"(,
+            "accessors": [{"bufferView": 0, "componentType": 5126, "count": 3, "type": "VEC3"}],
+            "bufferViews": [{"buffer": 0, "byteLength": 36}], "buffers": [{"byteLength": 36, "uri":
+            "data:application/octet-stream;base64,AAAAAAAAAAAAAAAAAACAPwAAAAAAAAAAAAAAAAAAgD8AAAAA"}]})");
+    };
+    const std::string model = triangle("box.gltf"), second = triangle("box 2.gltf");
+    expect(run("shot " + model + " " + model + " '" + second + "' --out " + in("boxes.shot.json")), 0, "");
+    expect(run("shot '" + triangle("b\xff.gltf") + "' --out " + in("b.shot.json")), 2, "is no UTF-8");
+    EXPECT_FALSE(fs::exists(in("b.shot.json")));
+    expect(run("shot " + triangle("no.gltf", "[{}]") + " --out " + in("no.shot.json")), 2,
+           "no node of its scene shows any");
+    triangle("...gltf");
+    EXPECT_EQ(raw("cd '" + folder_.string() + "' &&", "shot ...gltf", ">/dev/null").code, 0);
+    EXPECT_TRUE(fs::exists(in("unnamed.shot.json")));
 }
 
 // A folder opens as a file does, and a device need not end.
@@ -196,7 +226,6 @@ TEST_F(CliRobustness, AnInputIsNotWrittenOver) {
                       mine = "view " + in("mine.json") + " --shot lamp --headless ";
     refused(mine + in("mine.png"), "mine.json");
     refused(mine + in("link/mine.png"), "link/mine.json");
-    refused(view + in("view.json"), "view.json", "two files would be written here");
     refused(view + in("nodes/mine.png") + " --nodes " + in("nodes"), "nodes/mine.json");
     refused("view raw --shot " + in("wall.shot.json") + " --headless " + in("wall.png"), "wall.png");
     refused("plan " + in("plan.json") + " --size 64x64" + here, "plan.json");
@@ -209,7 +238,7 @@ TEST_F(CliRobustness, AnInputIsNotWrittenOver) {
     refused(report + in("results.json") + " --shots lamp" + here, "results.json");
     refused(report + "raw --shots " + in("shots/edge_8px_+0.shot.json") + here,
             "shots/edge_8px_+0.shot.json");
-    for (const char* name : {"mine.png", "view.png", "view.json", "parts", "rendered/depth.0000.exr"})
+    for (const char* name : {"mine.png", "parts", "rendered/depth.0000.exr"})
         EXPECT_FALSE(fs::exists(in(name))) << name << ": nothing is written in part";
 }
 

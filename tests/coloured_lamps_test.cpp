@@ -55,7 +55,6 @@ std::unique_ptr<Session> shown(const Shot& shot, const char* pipeline, std::vect
     SessionOptions options;
     options.size = shot.size;
     options.jitter = false;
-    options.optimum = false;
     options.captures = std::move(captures);
     options.facts = facts;
     auto session =

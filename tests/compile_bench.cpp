@@ -10,7 +10,6 @@
 #include "penumbra/shadow_nodes.h"
 #include "tests/shipped.h"
 #include "tests/toy_set.h"
-#include "tests/view_run.h"
 
 namespace penumbra::test {
 namespace {

@@ -3,7 +3,6 @@
 #include <gtest/gtest.h>
 
 #include "tests/compile_text.h"
-#include "tests/plan_checks.h"
 #include "tests/toy_nodes.h"
 
 namespace penumbra::test {
@@ -103,6 +102,9 @@ TEST(CompileInputs, ArraysAreBroughtWhereAPortTakesThem) {
     EXPECT_NE(text.find("the host brings \"motion\" with 7 layers, and this port takes no array"),
               std::string::npos)
         << text;
+    target.inputs["motion"].layers = 0;
+    EXPECT_NE(compile_text(small_set(), body, target).errors.find("an image of 64x64 and 0 layers"),
+              std::string::npos);
     target.inputs["motion"].layers = 1;
     EXPECT_FALSE(compile_text(small_set(), body, target).plan->slots[0].layered);
 }

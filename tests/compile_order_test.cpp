@@ -3,7 +3,6 @@
 #include <gtest/gtest.h>
 
 #include "tests/compile_text.h"
-#include "tests/plan_checks.h"
 #include "tests/toy_nodes.h"
 
 namespace penumbra::test {

@@ -10,7 +10,6 @@
 
 #include "graph/interface.h"
 #include "tests/compile_text.h"
-#include "tests/plan_checks.h"
 #include "tests/toy_nodes.h"
 
 namespace penumbra::test {
@@ -296,6 +295,25 @@ TEST(CompileHostNodes, TheirCallbacksAreSynchronisedAsIfTheyDidAnything) {
     EXPECT_TRUE(resource_of(plan, "value")->image_usage & VK_IMAGE_USAGE_TRANSFER_SRC_BIT);
     EXPECT_TRUE(resource_of(plan, "drawn")->image_usage & VK_IMAGE_USAGE_TRANSFER_DST_BIT);
     expect_sound(plan);
+}
+
+// A callback asks for what it changes by either name.
+TEST(CompileHostNodes, WhatIsUpdatedIsBoundToTheInputToo) {
+    NodeSet set = small_set();
+    set.add({.type = parse_toy(R"({ "node": "engine", "doc": "d", "host": true,
+      "inputs": { "value": { "kind": "image", "format": "r16f" } },
+      "outputs": { "drawn": { "kind": "image", "updates": "value" } } })",
+                               "engine")});
+    const CompiledText made =
+        compile_text(set, R"("outputs": ["drawn"], "nodes": { "source": { "type": "source" },
+        "engine": { "type": "engine" } })",
+                     target_of({64, 64}));
+    ASSERT_TRUE(made.plan) << made.errors;
+    const PlanPass& pass = pass_of(*made.plan, "engine");
+    ASSERT_TRUE(pass.binding("value") && pass.binding("drawn"));
+    EXPECT_EQ(pass.binding("value")->index, pass.binding("drawn")->index);
+    EXPECT_FALSE(pass.binding("value")->output);
+    EXPECT_TRUE(pass.binding("drawn")->output);
 }
 
 // Texel buffers: whole words, and not larger than the device can read.

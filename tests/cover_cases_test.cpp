@@ -105,7 +105,7 @@ TEST_F(CoverCases, AwkwardTrianglesHideWhatTheyHide) {
         // Rays from the same pixels agree within their own noise.
         RunOptions options;
         options.settings = {"nodes.trace.params.rays_per_pixel=64"};
-        SceneRun rays("raw", shot, options);
+        ShotRun rays("raw", shot, options);
         const std::vector<float> traced = rays.frame(3, true);
         double worst = 0;
         for (size_t i = 0; i < traced.size(); ++i)
@@ -166,7 +166,7 @@ TEST_F(CoverCases, APointForASunIsOneRay) {
         shot.sun_angular_radius_deg = 0;
         CoverRun run(shot);
         run.frame(3);
-        SceneRun rays("raw", shot);
+        ShotRun rays("raw", shot);
         const std::vector<float> traced = rays.frame(3, true);
         size_t differ = 0, partial = 0;
         for (size_t i = 0; i < traced.size(); ++i) {
@@ -185,7 +185,7 @@ TEST_F(CoverCases, WhatIsGivenUpGetsRays) {
                            std::map<std::string, uint32_t>* counters = nullptr) {
         RunOptions options;
         options.settings = settings;
-        SceneRun run(pipeline, shot, options);
+        ShotRun run(pipeline, shot, options);
         const auto v = run.up_to(3);
         if (counters) *counters = counters_of(run.session().view(), "cover");
         return v;
@@ -219,7 +219,6 @@ TEST_F(CoverCases, TwoRunsAndAnyMemoryGiveTheSameBits) {
             SessionOptions options;
             const Shot shot = shipped_shot("trees", {128, 72});
             options.size = shot.size;
-            options.optimum = false;
             options.captures = {"visibility", "hits"};
             options.alias = variant != 2;
             if (variant == 3) options.poison = 0xffffffffu;

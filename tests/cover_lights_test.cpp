@@ -44,7 +44,6 @@ Frame rendered(const Shot& shot, const std::string& light = {}, std::vector<std:
     const CheckedPipeline checked = shipped_pipeline("lights", settings);
     SessionOptions options;
     options.size = shot.size;
-    options.optimum = false;
     options.captures = checked.output_names();
     options.light = light;
     options.facts = facts;
@@ -156,7 +155,6 @@ TEST_F(CoverLights, WithoutALightForItALayerShadowsNothing) {
     const Shot shot = six_lights({64, 36});
     SessionOptions options;
     options.size = shot.size;
-    options.optimum = false;
     options.captures = {"masks"};
     const auto session =
         open_session(shipped_pipeline("lights", {"outputs=[\"masks\"]"}), shot, options, test_nodes());

@@ -107,8 +107,8 @@ class CoverRun {
     }
     double angular_radius() const { return double(standalone_.sun.angular_radius); }
     glm::dvec3 to_sun() const { return axes_[2]; }
-    SceneRun& run() { return run_; }
-    const SceneRun& run() const { return run_; }
+    ShotRun& run() { return run_; }
+    const ShotRun& run() const { return run_; }
     // Pixels that the node did not finish.
     uint32_t left() const { return counters_of(run_.session().view(), "cover").at("left"); }
     std::array<uint32_t, 2> size() const { return size_; }
@@ -136,7 +136,7 @@ class CoverRun {
 
     std::array<uint32_t, 2> size_;
     uint32_t samples_;
-    SceneRun run_;
+    ShotRun run_;
     StandaloneFrame standalone_;
     glm::dmat3 axes_{1};
     std::vector<float> depth_;

@@ -63,7 +63,6 @@ Cost cost_of(Device& device, const std::string& name, const std::vector<std::str
              const Shot& shot) {
     SessionOptions options;
     options.size = shot.size;
-    options.optimum = false;
     options.jitter = false;
     const auto session = test::open_session(test::shipped_pipeline(name, settings), shot, options,
                                             test::shipped_nodes(), device);

@@ -40,7 +40,6 @@ class ForeignRays {
         options.seed = 1;
         options.facts = {{"moves", true}};  // as the other knows it
         options.jitter = false;
-        options.optimum = false;
         tracer_ = open_session(shipped_pipeline(tracer), shot_, options, test_nodes());
     }
 

@@ -56,7 +56,6 @@ class ShippedDenoiser : public DenoiserGpu, public ::testing::WithParamInterface
 TEST_P(ShippedDenoiser, ComputesWhatTheModelSays) {
     SessionOptions options;
     options.size = GetParam();
-    options.optimum = false;
     options.poison = 0;
     options.captures = DenoiserCheck::names();
     options.captures.insert(options.captures.end(), {"hits", "visibility"});

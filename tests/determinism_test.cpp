@@ -54,7 +54,6 @@ std::unique_ptr<Session> open(const std::string& name, const std::vector<std::st
     const Shot shot = plaza_shot({160, 90}, 8);
     SessionOptions options;
     options.size = shot.size;
-    options.optimum = false;
     options.captures = captures;
     for (const std::string& output : checked.output_names()) options.captures.push_back(output);
     if (has_beams(name)) options.captures.emplace_back("proved");

@@ -61,7 +61,7 @@ class Runs {
         SessionOptions options;
         options.size = size;
         options.captures = checked.output_names();
-        options.optimum = options.pass_costs = false;
+        options.pass_costs = false;
         options.poison = poison_;
         options.cascade_size = 64;
         // One for each frame, so that what the host brings to each is there for all mutants.

@@ -3,17 +3,10 @@
 // pipeline, and effective samples per pixel (host/metrics/metrics.h) of what comes out.
 #pragma once
 
-#include <cstring>
-#include <glm/gtc/packing.hpp>
-#include <memory>
-#include <optional>
 #include <vector>
 
-#include "app/session.h"
 #include "host/truth/analytic.h"
-#include "tests/shipped.h"
 #include "tests/shot_run.h"
-#include "tests/view_run.h"
 
 namespace penumbra::test {
 
@@ -37,63 +30,20 @@ inline Shot shot_of(const Edge& edge) {
     return shot;
 }
 
-class EdgeRun {
-  public:
-    explicit EdgeRun(const Edge& edge, const char* pipeline = "shadows", uint32_t seed = 0,
-                     std::optional<uint32_t> poison = {})
-        : shot_(shot_of(edge)) {
-        SessionOptions options;
-        options.size = edge.size;
-        options.captures = {"visibility"};
-        options.seed = seed;
-        options.jitter = false;
-        options.poison = poison;
-        options.optimum = false;
-        session_ = open_session(shipped_pipeline(pipeline), shot_, options);
-    }
-
-    std::vector<float> frame(uint32_t index, bool reset) {
-        session_->run_frame(index, reset);
-        const auto bytes = session_->view().captured("visibility");
-        std::vector<float> values(bytes.size() / 2);
-        for (size_t i = 0; i < values.size(); ++i) {
-            uint16_t half = 0;
-            std::memcpy(&half, &bytes[2 * i], 2);
-            values[i] = glm::unpackHalf1x16(half);
-        }
-        return values;
-    }
-    std::vector<float> up_to(uint32_t last) {
-        for (uint32_t index = 0; index < last; ++index) frame(index, index == 0);
-        return frame(last, last == 0);
-    }
-
-  private:
-    Shot shot_;
-    std::unique_ptr<Session> session_;
-};
-
-// v(1 - v) over squared errors, of the pixels that `counted` accepts.
-template <typename Counted>
-double n_eff(const Edge& edge, const std::vector<float>& image, const Counted& counted) {
-    const std::vector<double> truth = analytic_image(shot_of(edge), edge.last);
-    double signal = 0, error = 0;
-    for (int y = 0; y < int(edge.size[1]); ++y)
-        for (int x = 0; x < int(edge.size[0]); ++x) {
-            if (!counted(x, y)) continue;
-            const size_t i = size_t(y) * edge.size[0] + size_t(x);
-            const double v = truth[i];
-            if (v >= 1.0 / 256 && v <= 255.0 / 256) signal += v * (1 - v);
-            error += (image[i] - v) * (image[i] - v);
-        }
-    return signal / error;
+inline std::vector<float> truth_of(const Edge& edge) {
+    return analytic_truth(shot_of(edge), edge.last).visibility;
 }
 
-// The same, `border` pixels away from the image's.
-inline double n_eff_inside(const Edge& edge, const std::vector<float>& image, int border = 24) {
-    return n_eff(edge, image, [&](int x, int y) {
-        return x >= border && y >= border && x < int(edge.size[0]) - border && y < int(edge.size[1]) - border;
-    });
+// Pixels that lie `border` away from the image's.
+inline auto inside_of(const Edge& edge, size_t border = 24) {
+    return [edge, border](size_t i) {
+        const size_t x = i % edge.size[0], y = i / edge.size[0];
+        return x >= border && y >= border && x + border < edge.size[0] && y + border < edge.size[1];
+    };
+}
+
+inline double n_eff_inside(const Edge& edge, const std::vector<float>& image) {
+    return n_eff(image, truth_of(edge), inside_of(edge));
 }
 
 }  // namespace penumbra::test

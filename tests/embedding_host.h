@@ -43,8 +43,9 @@ struct Spy {
     static inline std::set<std::string> asked;
     static inline std::vector<VkImageMemoryBarrier2> transfers;
     static inline std::vector<VkMemoryBarrier2> barriers;
-    static inline std::vector<VkImageMemoryBarrier2> images;  // all of them
-    static inline std::vector<std::byte> cache;               // that a program was made with
+    static inline std::vector<VkImageMemoryBarrier2> images;    // all of them
+    static inline std::vector<VkBufferMemoryBarrier2> buffers;  // all of them
+    static inline std::vector<std::byte> cache;                 // that a program was made with
 
     static inline std::set<std::string> names, labels;  // of objects, of what passes record
     static VKAPI_ATTR VkResult VKAPI_CALL set_name(VkDevice, const VkDebugUtilsObjectNameInfoEXT* info) {
@@ -67,6 +68,8 @@ struct Spy {
     static VKAPI_ATTR void VKAPI_CALL barrier(VkCommandBuffer cmd, const VkDependencyInfo* info) {
         images.insert(images.end(), info->pImageMemoryBarriers,
                       info->pImageMemoryBarriers + info->imageMemoryBarrierCount);
+        buffers.insert(buffers.end(), info->pBufferMemoryBarriers,
+                       info->pBufferMemoryBarriers + info->bufferMemoryBarrierCount);
         barriers.insert(barriers.end(), info->pMemoryBarriers,
                         info->pMemoryBarriers + info->memoryBarrierCount);
         if (info->imageMemoryBarrierCount > 0 &&

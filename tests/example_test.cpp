@@ -33,7 +33,6 @@ TEST_F(Example, InvertIsOneMinusVisibilityTimesGain) {
     const Shot shot = plaza_shot({75, 43}, 2);
     SessionOptions options;
     options.size = shot.size;
-    options.optimum = false;
     options.captures = {"visibility", "shadow"};
     const auto session = open_session(*checked, shot, options, nodes);
     const size_t pixels = size_t{shot.size[0]} * shot.size[1];

@@ -37,7 +37,6 @@ class CoverageTwin : public GpuTest {
     Differences compare(const Shot& shot, uint32_t frame, uint32_t samples) {
         SessionOptions options;
         options.size = shot.size;
-        options.optimum = false;
         options.captures = {"view_depth", "receiver_normal", "visibility"};
         const auto session = open_session(
             shipped_pipeline("covered", {"nodes.cover.params.samples=" + std::to_string(samples)}), shot,
@@ -256,7 +255,6 @@ TEST_F(CoverageTwin, BeamsSeeWhatTheNodeDecidedBy) {
     shot.size = {320, 180};
     SessionOptions options;
     options.size = shot.size;
-    options.optimum = false;
     options.captures = TileBeams::captures();
     const auto session = open_session(shipped_pipeline("many_rays", TileBeams::settings()), shot, options);
     session->run_frame(0, true);
@@ -322,7 +320,6 @@ TEST_F(CoverageTwin, ShearedRaysTellAPixelsSunAndUnshearedOnesABlur) {
         const CheckedPipeline checked = shipped_pipeline(name);
         SessionOptions options;
         options.size = shot.size;
-        options.optimum = false;
         options.jitter = false;
         options.captures = captures;
         auto session = open_session(checked, shot, options);

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 // Lights and cameras of glTF files, and what of them is in a shot that is made for the model.
+#include <chrono>
 #include <cmath>
 #include <regex>
 #include <set>
@@ -181,6 +182,32 @@ TEST(GltfFeatures, KeysOfLampsAreWords) {
     const ModelShot many = make_model_shot(model, "keys.glb", "", false);
     EXPECT_TRUE(parse_shot(many.text, "keys.shot.json", diagnostics)) << diagnostics.text();
     EXPECT_EQ(many.warnings.count("lights"), 1u);
+}
+
+// Thousands of lights that point nowhere, in hundreds of frames, for each of which all nodes are put in
+// place.
+TEST(GltfFeatures, AShotLooksForItsSunInAllLightsAtOnce) {
+    constexpr size_t lights = 4000;
+    Glb glb = square_file();
+    const int input = glb.floats({0, 10}, "SCALAR", 1), output = glb.floats({0, 0, 0, 0, 0, 0}, "VEC3", 3);
+    glb.json["animations"] = {
+        {{"samplers", {{{"input", input}, {"output", output}}}},
+         {"channels", {{{"sampler", 0}, {"target", {{"node", 0}, {"path", "translation"}}}}}}}};
+    glb.json["cameras"] = {{{"type", "perspective"}, {"perspective", {{"yfov", 0.5}, {"znear", 0.1}}}}};
+    glb.json["extensions"] = {{"KHR_lights_punctual", {{"lights", {{{"type", "directional"}}}}}}};
+    const Json nowhere = {
+        {"scale", {0, 0, 0}}, {"camera", 0}, {"extensions", {{"KHR_lights_punctual", {{"light", 0}}}}}};
+    for (size_t i = 1; i <= lights; ++i) {
+        glb.json["nodes"].push_back(nowhere);
+        glb.json["scenes"][0]["nodes"].push_back(i);
+    }
+    const Model model = loaded(glb, "nowhere.glb");
+    ASSERT_EQ(model.suns.size(), lights);
+    const auto start = std::chrono::steady_clock::now();
+    const ModelShot made = make_model_shot(model, "nowhere.glb", "", false);
+    EXPECT_LT(std::chrono::steady_clock::now() - start, std::chrono::seconds(30));
+    EXPECT_EQ(made.warnings.count("sun"), lights);
+    EXPECT_EQ(made.warnings.count("camera"), lights);
 }
 
 // A pose takes no time; what moves is played, and of several it is told which.

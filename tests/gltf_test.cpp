@@ -297,10 +297,90 @@ TEST_F(Gltf, ErrorsAreShort) {
     const std::string cut_off =
         R"({"asset":{"version":"2.0"},"buffers":[{"uri":"data:application/octet-stream;base64,)" +
         std::string(1'000'000, 'A');
-    for (const std::string& file : {cut_off, cut_off + R"(","byteLength":7}]})"}) {
+    for (const std::string& file : {cut_off, cut_off + R"(","byteLength":7000000}]})"}) {
         expect_error(file, "AAA...");
         EXPECT_LT(diagnostics_.text().size(), 500u);
     }
+}
+
+// A buffer's data may be longer than the buffer (glTF 2.0, section 3.6.1.1), and is cut to its length.
+TEST_F(Gltf, ABuffersDataMayBeLonger) {
+    for (const size_t more : {1, 2, 3, 4, 5, 6}) {
+        Buffer buffer;
+        buffer.add(zigzag);
+        const auto file = [&](const std::string& uri) {
+            return R"({"asset":{"version":"2.0"},"scenes":[{"nodes":[0]}],"nodes":[{"mesh":0}],
+                "meshes":[{"primitives":[{"mode":5,"attributes":{"POSITION":0}}]}],
+                "buffers":[{"byteLength":60,"uri":")" +
+                   uri + R"("}],"bufferViews":[{"buffer":0,"byteLength":60}],
+                "accessors":[{"bufferView":0,"componentType":5126,"count":5,"type":"VEC3"}]})";
+        };
+        buffer.bytes.resize(60 + more, std::byte{7});
+        EXPECT_EQ(triangles_of(load(file(buffer.uri()))).size(), 3u) << more << diagnostics_.text();
+        save("long.bin", {reinterpret_cast<const char*>(buffer.bytes.data()), buffer.bytes.size()});
+        EXPECT_EQ(triangles_of(load(file("long.bin"))).size(), 3u) << more << diagnostics_.text();
+        buffer.bytes.resize(60 - more);
+        EXPECT_FALSE(load(file(buffer.uri()))) << more;
+        save("long.bin", {reinterpret_cast<const char*>(buffer.bytes.data()), buffer.bytes.size()});
+        EXPECT_FALSE(load(file("long.bin"))) << more;
+    }
+    // Of lengths that are no multiple of three.
+    for (const size_t length : {1, 2, 3, 4}) {
+        Buffer buffer;
+        buffer.bytes.resize(8, std::byte{7});
+        std::string text = positions_file(5);
+        text.insert(text.find("\"buffers\":[") + 11,
+                    R"({"byteLength":)" + std::to_string(length) + R"(,"uri":")" + buffer.uri() + "\"},");
+        text.replace(text.find("\"buffer\":0"), 10, "\"buffer\":1");
+        EXPECT_TRUE(load(text)) << length << diagnostics_.text();
+    }
+}
+
+// What the parser would leave out as if nobody had written it, so that another picture is drawn.
+TEST_F(Gltf, MembersOfAnotherTypeAreRefused) {
+    const auto with = [&](std::string before, const std::string& after) {
+        std::string text = positions_file(5, R"(,"materials":[{"pbrMetallicRoughness":{}}],"extensions":
+            {"KHR_lights_punctual":{"lights":[{"type":"point"}]}})");
+        const size_t at = text.find(before);
+        EXPECT_NE(at, text.npos) << before;
+        return text.replace(at, before.size(), after);
+    };
+    const std::string node = R"("nodes":[{"mesh":0)", view = R"("bufferView":0)", lamp = R"("type":"point")",
+                      surface = R"("materials":[{"pbrMetallicRoughness":{)";
+    ASSERT_TRUE(load(with(node, node))) << diagnostics_.text();
+    expect_error(with(node, node + R"(,"scale":100)"), "nodes[0].scale: expected a list of 3 numbers");
+    expect_error(with(node, node + R"(,"translation":"1,2,3")"),
+                 "nodes[0].translation: expected a list of 3");
+    expect_error(with(node, node + R"(,"rotation":[0,0,1])"), "nodes[0].rotation: expected a list of 4");
+    expect_error(with(node, node + R"(,"children":1)"),
+                 "nodes[0].children: expected a list of whole numbers");
+    expect_error(with(view, view + R"(,"byteOffset":-4)"),
+                 "accessors[0].byteOffset: expected a whole number");
+    expect_error(with(view, view + R"(,"byteOffset":"12")"), "accessors[0].byteOffset: expected");
+    expect_error(with(R"("byteOffset":0)", R"("byteOffset":-4)"), "bufferViews[0].byteOffset: expected");
+    expect_error(with(R"("mode":5)", R"("mode":"TRIANGLES")"), "meshes[0].primitives[0].mode: expected");
+    expect_error(with(R"("POSITION":0)", R"("POSITION":4294967296)"),
+                 "meshes[0].primitives[0].attributes.POSITION: expected a whole number");
+    for (const char* color : {R"("red")", "[1,0,0]"})
+        expect_error(with(surface, surface + R"("baseColorFactor":)" + color),
+                     "materials[0].pbrMetallicRoughness.baseColorFactor: expected a list of 4 numbers");
+    expect_error(with(R"("materials":[{)", R"("materials":[{"doubleSided":"true",)"),
+                 "materials[0].doubleSided: expected true or false");
+    expect_error(with(lamp, lamp + R"(,"color":[1,0])"),
+                 "extensions.KHR_lights_punctual.lights[0].color: expected a list of 3 numbers");
+    expect_error(with(R"("POSITION":0)", R"("POSITION":0,"WEIGHTS_0":0)"), "JOINTS_0 and WEIGHTS_0");
+}
+
+// RFC 3986 gives a plus no meaning but its own.
+TEST_F(Gltf, APlusInANameIsAPlus) {
+    Buffer buffer;
+    buffer.add(zigzag);
+    const std::string bytes(reinterpret_cast<const char*>(buffer.bytes.data()), buffer.bytes.size());
+    std::string text = positions_file(5);
+    const size_t from = text.find("data:"), to = text.find('"', from);
+    text.replace(from, to - from, "a+b%2B c%20d.bin");
+    save("a+b+ c d.bin", bytes);
+    EXPECT_EQ(triangles_of(load(text)).size(), 3u) << diagnostics_.text();
 }
 
 TEST_F(Gltf, ImagesInBuffersAreRead) {

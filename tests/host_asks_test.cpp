@@ -210,6 +210,9 @@ TEST_F(HostAsksGpu, AHostsMistakesAreItsOwn) {
         refused([](auto& f) { f.camera.clip_from_view[0] = INFINITY; }, "camera.clip_from_view",
                 "not finite");
         refused([](auto& f) { f.camera.clip_from_view[5] = 0; }, "camera.clip_from_view", "no inverse");
+        refused([](auto& f) { f.camera.clip_from_view[1] = 0.1; }, "camera.clip_from_view", "turned");
+        refused([](auto& f) { f.camera.clip_from_view[11] = 1; }, "camera.clip_from_view", "-z");
+        refused([](auto& f) { f.flags = frame_orthographic; }, "camera.clip_from_view", "orthographic");
         refused([](auto& f) { f.camera.near_m = NAN; }, "camera.near_m", "not finite");
         refused([](auto& f) { f.dt_s = INFINITY; }, "dt_s", "not finite");
         refused([](auto& f) { f.camera.world_from_view = {}; }, "camera.world_from_view", "no rotation");
@@ -217,6 +220,7 @@ TEST_F(HostAsksGpu, AHostsMistakesAreItsOwn) {
         refused([](auto& f) { f.jitter = {0, NAN}; }, "jitter", "units of the image");
         refused([](auto& f) { f.jitter = {0.5, 0.25}; }, "jitter", "units of the image");
         refused([](auto& f) { f.prev_jitter = {5, 0}; }, "prev_jitter", "more than the image");
+        refused([](auto& f) { f.jitter = {0.001, 0}; }, "jitter", "Target::jitters");
         refused([](auto& f) { f.flags = 64; }, "flags", "0x40");
         refused([](auto& f) { f.sub_pixel_bits = 99; }, "sub_pixel_bits", "99");
         usage([&] { view.record_pass(cmd, 0); }, "p", "in order");
@@ -241,6 +245,34 @@ TEST_F(HostAsksGpu, AHostsMistakesAreItsOwn) {
     });
     usage([&] { view.record(VK_NULL_HANDLE, description(0), externals); }, "p", "command buffer");
     usage([&] { program->record_uploads(VK_NULL_HANDLE); }, "Program::record_uploads", "null");
+}
+
+// What a plan knows of its frames is held against what the host says of one.
+TEST_F(HostAsksGpu, AFrameIsWhatThePlanAsksFor) {
+    const auto pipeline = open_pipeline(PENUMBRA_SOURCE_DIR "/pipelines/raw.json", {}, shadow_nodes());
+    ASSERT_TRUE(pipeline);
+    const auto raw = plan_of(*pipeline, {});
+    EXPECT_TRUE(raw->camera);
+    View seeing(std::make_shared<Program>(handles_of(gpu()), raw), {});
+    const auto blind =
+        plan_of(checked(R"("outputs": ["value"], "nodes": { "fill": { "type": "toy_fill" } })"), {});
+    EXPECT_FALSE(blind->camera);
+    View view(std::make_shared<Program>(handles_of(gpu()), blind), {});
+    FrameDescription frame = description(0);
+    frame.camera.clip_from_view = frame.previous.clip_from_view = {};
+    gpu().run([&](VkCommandBuffer cmd) {
+        usage([&] { seeing.record(cmd, frame, Externals(*raw)); }, "FrameDescription::camera.clip_from_view",
+              "\"raw\" asks for a camera");
+        view.record(cmd, frame, {});
+    });
+    frame = description(1);
+    frame.flags = frame_unchanged;
+    frame.previous = frame.camera;
+    gpu().run([&](VkCommandBuffer cmd) { view.record(cmd, frame, {}); });
+    frame.camera.position[0] += 1e-9;
+    gpu().run([&](VkCommandBuffer cmd) {
+        usage([&] { view.record(cmd, frame, {}); }, "FrameDescription::flags", "camera is not previous");
+    });
 }
 
 // As many slots, of other names: the first of either would be bound to the other's.

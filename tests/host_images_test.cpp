@@ -35,7 +35,8 @@ TEST_F(HostImagesGpu, AnotherQueuesImageIsAcquiredAndReleased) {
     EXPECT_EQ(acquire.dstQueueFamilyIndex, own);
     EXPECT_EQ(acquire.oldLayout, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL);
     EXPECT_EQ(acquire.newLayout, VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL);
-    EXPECT_EQ(acquire.srcStageMask, VK_PIPELINE_STAGE_2_NONE);  // the release's, on the other queue
+    EXPECT_EQ(acquire.srcStageMask,
+              VK_PIPELINE_STAGE_2_COMPUTE_SHADER_BIT);  // which a semaphore's wait reaches
     EXPECT_EQ(acquire.srcAccessMask, VK_ACCESS_2_NONE);
     EXPECT_EQ(acquire.dstStageMask, VK_PIPELINE_STAGE_2_COMPUTE_SHADER_BIT);
     EXPECT_EQ(acquire.image, given.get());
@@ -123,6 +124,68 @@ TEST_F(HostImagesGpu, AnImageComesAndGoesInTheHostsLayouts) {
         EXPECT_EQ(floats(view.captured("blended")), std::vector<float>(width * height, expected)) << f;
         EXPECT_EQ(static_cast<const float*>(copy.mapped)[7], static_cast<float>(f + 1));
     }
+}
+
+// The host orders all with barriers of its own into the frame's stages and out of them, and has said no
+// stages. The layouts change all the same, between its accesses and the frame's.
+TEST_F(HostImagesGpu, AHostsOwnBarriersOrderTheChangesOfLayout) {
+    const CheckedPipeline pipeline =
+        checked(R"("inputs": { "given": { "format": "r32f" } }, "outputs": ["blended"],
+        "nodes": { "blend": { "type": "toy_blend", "in": { "value": "given", "history": null } } })");
+    View view(std::make_shared<Program>(handles_of(gpu()), plan_of(pipeline, capturing(pipeline))), {});
+    const GpuImage given =
+        image_of(VK_FORMAT_R32_SFLOAT, VK_IMAGE_USAGE_SAMPLED_BIT | VK_IMAGE_USAGE_TRANSFER_SRC_BIT);
+    const GpuBuffer copy =
+        make_host_buffer(gpu(), 4 * width * height, VK_BUFFER_USAGE_TRANSFER_DST_BIT, "copy");
+    const Use& use = view.plan().slots[*view.plan().slot("given")].use;
+    Externals externals(view.plan());
+    externals["given"] = {.image = given.view.get(),
+                          .handover = Handover{.image = given.get(),
+                                               .layout_before = VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL,
+                                               .layout_after = VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL}};
+    const auto order = [](VkCommandBuffer cmd, VkPipelineStageFlags2 from, VkAccessFlags2 made,
+                          VkPipelineStageFlags2 to, VkAccessFlags2 read) {
+        VkMemoryBarrier2 barrier{VK_STRUCTURE_TYPE_MEMORY_BARRIER_2, nullptr, from, made, to, read};
+        VkDependencyInfo dependency{VK_STRUCTURE_TYPE_DEPENDENCY_INFO};
+        dependency.memoryBarrierCount = 1;
+        dependency.pMemoryBarriers = &barrier;
+        vkCmdPipelineBarrier2(cmd, &dependency);
+    };
+    gpu().run([&](VkCommandBuffer cmd) {
+        clear(cmd, given, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, 3);
+        order(cmd, VK_PIPELINE_STAGE_2_CLEAR_BIT, VK_ACCESS_2_TRANSFER_WRITE_BIT, use.stages, use.access);
+        view.record(cmd, description(0), externals);
+        order(cmd, use.stages, use.access, VK_PIPELINE_STAGE_2_COPY_BIT, VK_ACCESS_2_TRANSFER_READ_BIT);
+        copy_out(cmd, given, copy);
+    });
+    EXPECT_EQ(floats(view.captured("blended")), std::vector<float>(width * height, 3));
+    EXPECT_EQ(static_cast<const float*>(copy.mapped)[7], 3.0f);
+}
+
+// Of a buffer that fills two slots, as of a sun that stands still, the host has one half of each transfer.
+TEST_F(HostImagesGpu, ABufferInTwoSlotsIsAcquiredAndReleasedOnce) {
+    const CheckedPipeline pipeline = checked(
+        R"("inputs": { "a": { "kind": "buffer" }, "b": { "kind": "buffer" } }, "outputs": ["first", "second"],
+        "nodes": { "fill": { "type": "toy_fill" }, "list": { "type": "toy_list" },
+                   "one": { "type": "toy_scatter", "in": { "list": "a" }, "out": { "scattered": "first" } },
+                   "two": { "type": "toy_scatter", "in": { "list": "b" }, "out": { "scattered": "second" } } })");
+    View view(std::make_shared<Program>(Spy::handles(), plan_of(pipeline, {})), {});
+    constexpr size_t bytes = 8 * width * height;
+    const GpuBuffer list = make_host_buffer(gpu(), bytes, VK_BUFFER_USAGE_STORAGE_BUFFER_BIT, "list");
+    std::memset(list.mapped, 0, bytes);
+    Externals externals(view.plan());
+    for (const char* slot : {"a", "b"})
+        externals[slot] = {.buffer = list.get(),
+                           .handover = Handover{.family_before = VK_QUEUE_FAMILY_EXTERNAL,
+                                                .family_after = VK_QUEUE_FAMILY_EXTERNAL}};
+    Spy::buffers.clear();
+    gpu().run([&](VkCommandBuffer cmd) { view.record(cmd, description(0), externals); });
+    ASSERT_EQ(Spy::buffers.size(), 2u);
+    EXPECT_EQ(Spy::buffers[0].srcQueueFamilyIndex, VK_QUEUE_FAMILY_EXTERNAL);
+    EXPECT_EQ(Spy::buffers[1].dstQueueFamilyIndex, VK_QUEUE_FAMILY_EXTERNAL);
+    externals["b"].handover->family_after = VK_QUEUE_FAMILY_IGNORED;
+    gpu().run(
+        [&](VkCommandBuffer cmd) { EXPECT_THROW(view.record(cmd, description(1), externals), Failure); });
 }
 
 // On a first frame what a host has for a previous value is this frame's: one image in two slots, of which no

@@ -70,19 +70,40 @@ TEST(House, ANodeAndItsShaderHaveOneNameInOneGroup) {
     EXPECT_EQ(names, std::set<std::string>(built.begin(), built.end()));
 }
 
+// The files that a shader is made of, as paths below shaders/; generated ones are none.
+std::set<std::string> files_of(const std::string& shader) {
+    std::set<std::string> files;
+    std::vector<std::string> left{shader + ".comp"};
+    while (!left.empty()) {
+        const std::string file = left.back();
+        left.pop_back();
+        if (file == "node.glsl" || !files.insert(file).second) continue;
+        EXPECT_TRUE(fs::is_regular_file(root / "shaders" / file)) << shader << " includes " << file;
+        for (const std::string& name : includes_of(root / "shaders" / file)) left.push_back(name);
+    }
+    return files;
+}
+
+// Whoever asks where pixels are asks for a camera, so that a host that forgot its own is told
+// (frame_check.h).
+TEST(House, WhoseShaderAsksWherePixelsAreNeedsACamera) {
+    const NodeSet nodes = shadow_nodes();
+    size_t asking = 0;
+    for (const std::string& shader : in_groups(root / "shaders", ".comp")) {
+        const std::string name = fs::path(shader).filename().string();
+        const bool asks = files_of(shader).contains("common/camera.glsl");
+        EXPECT_EQ(std::ranges::count(nodes.find(name)->type.needs, "camera"), asks) << name;
+        asking += asks;
+    }
+    EXPECT_GT(asking, 0u);
+}
+
 // What one group alone includes lies in its folder; shaders/common/ is for what two groups or C++ share.
 TEST(House, AnIncludeLiesWithTheGroupThatItServes) {
     std::map<std::string, std::set<std::string>> groups;  // that reach a file, by its path below shaders/
     for (const std::string& shader : in_groups(root / "shaders", ".comp")) {
         const std::string group = fs::path(shader).parent_path().string();
-        std::vector<std::string> left{shader + ".comp"};
-        while (!left.empty()) {
-            const std::string file = left.back();
-            left.pop_back();
-            if (file == "node.glsl" || !groups[file].insert(group).second) continue;
-            ASSERT_TRUE(fs::is_regular_file(root / "shaders" / file)) << shader << " includes " << file;
-            for (const std::string& name : includes_of(root / "shaders" / file)) left.push_back(name);
-        }
+        for (const std::string& file : files_of(shader)) groups[file].insert(group);
     }
     std::set<std::string> in_cpp;
     for (const char* folder : {"nodes", "host", "app"})

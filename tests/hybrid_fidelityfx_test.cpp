@@ -11,14 +11,14 @@ namespace {
 
 class HybridFidelityFx : public GpuTest {};
 
-uint32_t rays_of(const SceneRun& run) {
+uint32_t rays_of(const ShotRun& run) {
     return counters_of(run.session().view(), "trace").at("rays");
 }
 
 TEST_F(HybridFidelityFx, IsWorthWhatTheDenoiserIsWithoutTheClassifier) {
     const Shot shot = edge_shot(16, 20, {160, 90});
     const std::vector<float> truth = truth_of(shot, 31, 256).visibility;
-    SceneRun all("fidelityfx", shot), hybrid("hybrid_fidelityfx", shot, {.cascade_size = 512});
+    ShotRun all("fidelityfx", shot), hybrid("hybrid_fidelityfx", shot, {.cascade_size = 512});
     const double without = n_eff(all.up_to(31), truth), with = n_eff(hybrid.up_to(31), truth);
     figure("N_eff of the published denoiser (naive), with the published classifier (ours)", without, with);
     EXPECT_GT(with, 0.8 * without);
@@ -34,10 +34,10 @@ TEST_F(HybridFidelityFx, CastsTheRaysThatTheClassifierLeaves) {
     const RunOptions options{.settings = {"nodes.taps.out.undecided_words=undecided_words"},
                              .captures = {"undecided_words", "preloaded_hits", "hits"},
                              .cascade_size = 512};
-    SceneRun all("fidelityfx", shot, {.captures = {"hits"}}), hybrid("hybrid_fidelityfx", shot, options);
+    ShotRun all("fidelityfx", shot, {.captures = {"hits"}}), hybrid("hybrid_fidelityfx", shot, options);
     all.frame(0, true);
     hybrid.frame(0, true);
-    const auto words = [](const SceneRun& run, const char* name) {
+    const auto words = [](const ShotRun& run, const char* name) {
         return captured<uint32_t>(run.session().view(), name);
     };
     const auto whole = words(all, "hits"), hits = words(hybrid, "hits"),

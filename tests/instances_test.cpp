@@ -5,7 +5,6 @@
 #include <algorithm>
 
 #include "penumbra/check.h"
-#include "penumbra/dump.h"
 #include "tests/toy_nodes.h"
 
 namespace penumbra {

@@ -50,7 +50,6 @@ Images run(const Case& c, const Shot& shot, uint32_t width, std::optional<bool> 
     const CheckedPipeline checked = shipped_pipeline(c.pipeline, c.settings, nodes);
     SessionOptions options;
     options.size = shot.size;
-    options.optimum = false;
     options.cpu = cpu;
     options.captures = c.captures;
     for (const std::string& output : checked.output_names())

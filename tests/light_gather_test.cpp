@@ -102,7 +102,7 @@ Shot shot_of(const LampEdge& lamp) {
     return shot;
 }
 
-std::vector<double> truth_of(const LampEdge& lamp) {
+std::vector<float> truth_of(const LampEdge& lamp) {
     const Edge& edge = lamp.edge;
     LampEdge level = lamp;
     level.turned = false;
@@ -112,12 +112,12 @@ std::vector<double> truth_of(const LampEdge& lamp) {
                      o = glm::dvec3(0, edge_m, 0) + shift_at(edge, edge.last);
     const double l = 2 * plate_half_m, h = plate_half_m;
     const std::array<glm::dvec3, 4> corners{o - h * t, o - h * t + l * n, o + h * t + l * n, o + h * t};
-    std::vector<double> image;
+    std::vector<float> image;
     for (uint32_t y = 0; y < edge.size[1]; ++y)
         for (uint32_t x = 0; x < edge.size[0]; ++x) {
             const double px = pixel_m(edge);
             const glm::dvec3 p((x + 0.5 - 0.5 * edge.size[0]) * px, 0, (y + 0.5 - 0.5 * edge.size[1]) * px);
-            image.push_back(light.visibility(p, corners));
+            image.push_back(static_cast<float>(light.visibility(p, corners)));
         }
     return image;
 }
@@ -131,21 +131,8 @@ std::vector<float> mask_of(const LampEdge& lamp, const char* pipeline,
     return captured_planes(session->view(), "visibility")[0];
 }
 
-double n_eff_against(const std::vector<double>& truth, const std::vector<float>& image, const Edge& edge,
-                     int border = 24) {
-    double signal = 0, error = 0;
-    for (int y = border; y < int(edge.size[1]) - border; ++y)
-        for (int x = border; x < int(edge.size[0]) - border; ++x) {
-            const size_t i = size_t(y) * edge.size[0] + size_t(x);
-            const double v = truth[i];
-            if (v >= 1.0 / 256 && v <= 255.0 / 256) signal += v * (1 - v);
-            error += (image[i] - v) * (image[i] - v);
-        }
-    return signal / error;
-}
-
 double n_eff_of(const LampEdge& lamp, const char* pipeline, const std::vector<std::string>& settings = {}) {
-    return n_eff_against(truth_of(lamp), mask_of(lamp, pipeline, settings), lamp.edge);
+    return n_eff(mask_of(lamp, pipeline, settings), truth_of(lamp), inside_of(lamp.edge));
 }
 
 std::vector<double> numbers(const char* name, const char* otherwise) {
@@ -166,7 +153,7 @@ TEST_F(LampGather, StraightEdgesAreWorthWhatTheSunsAre) {
             std::array<double, 4> errors{};
             for (const double offset : offsets) {
                 const Edge edge{width, speed, last, offset};
-                errors[0] += 1 / n_eff_inside(edge, EdgeRun(edge, "shadows").up_to(last));
+                errors[0] += 1 / n_eff_inside(edge, ShotRun("shadows", shot_of(edge)).up_to(last));
                 int i = 0;
                 for (const LightKind kind : {LightKind::disc, LightKind::rectangle, LightKind::sphere})
                     errors[++i] += 1 / n_eff_of({kind, edge}, "light_shadows");
@@ -181,11 +168,11 @@ TEST_F(LampGather, StraightEdgesAreWorthWhatTheSunsAre) {
 }
 
 // How much too light the light half is and too dark the other, mean over the penumbra.
-double steepness(const std::vector<double>& truth, const std::vector<float>& image) {
+double steepness(const std::vector<float>& truth, const std::vector<float>& image) {
     double sum = 0, n = 0;
     for (size_t i = 0; i < truth.size(); ++i) {
         if (truth[i] < 0.03 || truth[i] > 0.97) continue;
-        sum += (image[i] - truth[i]) * (truth[i] < 0.5 ? -1 : 1);
+        sum += (double(image[i]) - truth[i]) * (truth[i] < 0.5 ? -1 : 1);
         ++n;
     }
     return sum / n;
@@ -210,7 +197,7 @@ TEST_F(LampGather, ASquareThatStandsStillIsWorthTwoThirdsOfTheSun) {
     std::array<double, 2> errors{};
     for (const double offset : {0.37, 3.1}) {
         const Edge edge{9, 0, 63, offset};
-        errors[0] += 1 / n_eff_inside(edge, EdgeRun(edge, "shadows").up_to(63));
+        errors[0] += 1 / n_eff_inside(edge, ShotRun("shadows", shot_of(edge)).up_to(63));
         errors[1] += 1 / n_eff_of({LightKind::rectangle, edge}, "light_shadows");
     }
     EXPECT_LT(errors[1], 1.5 * errors[0]);
@@ -234,7 +221,7 @@ TEST_F(LampGather, ASphereStraightBelowIsAsGoodAsOneAbove) {
         for (const bool turned : {false, true}) {
             const LampEdge lamp{LightKind::sphere, {16, 0, 0, offset, {96, 96}}, turned};
             errors[turned] +=
-                1 / n_eff_against(truth_of(lamp), mask_of(lamp, "light_shadows", {}), lamp.edge, 36);
+                1 / n_eff(mask_of(lamp, "light_shadows", {}), truth_of(lamp), inside_of(lamp.edge, 36));
         }
     std::printf("above %.4g, below %.4g\n", 5 / errors[0], 5 / errors[1]);
     EXPECT_LT(errors[1], 1.12 * errors[0]);
@@ -256,8 +243,8 @@ TEST_F(LampGather, WhatTheFloorHidesOfALightIsKnown) {
     const auto truth = open_light_truth(gpu(), shot, "lamp", diagnostics, warnings, false);
     ASSERT_TRUE(truth) << diagnostics.text();
     const Truth counted = counted_light_truth(*truth, 0, 1024);
-    const std::vector<double> expected(counted.visibility.begin(), counted.visibility.end());
-    const double n = n_eff_against(expected, captured_planes(session->view(), "visibility")[0], lamp.edge);
+    const double n =
+        n_eff(captured_planes(session->view(), "visibility")[0], counted.visibility, inside_of(lamp.edge));
     std::printf("%.4g\n", n);
     EXPECT_GT(n, 1450);
 }

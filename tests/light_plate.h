@@ -83,7 +83,6 @@ inline std::unique_ptr<Session> open(const Shot& shot, const char* name,
     SessionOptions options;
     options.size = shot.size;
     options.jitter = false;
-    options.optimum = false;
     options.captures = checked->output_names();
     options.light = "lamp";
     std::vector<std::string> warnings;

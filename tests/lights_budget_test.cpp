@@ -46,7 +46,6 @@ class LightsRun {
         SessionOptions options;
         options.size = frame_size;
         options.captures = captures;
-        options.optimum = false;
         options.jitter = false;
         options.facts = facts;
         session_ = open_session(pipeline_for(shot, pipeline, settings), shot, options);

@@ -23,7 +23,7 @@ std::unique_ptr<Session> open(const char* name, std::array<uint32_t, 2> size, st
     SessionOptions options;
     options.size = size;
     options.captures = {"visibility"};
-    options.optimum = options.pass_costs = false;
+    options.pass_costs = false;
     options.cascade_size = 64;
     Diagnostics diagnostics;
     std::vector<std::string> warnings;
@@ -74,7 +74,7 @@ TEST_F(LimitsGpu, ATextureThatIsTooLargeIsAWarning) {
     const SceneFile file("large_texture.glb", to_glb(model));
     SessionOptions options;
     options.size = {64, 48};
-    options.optimum = options.pass_costs = false;
+    options.pass_costs = false;
     Shot shot = plaza_shot(options.size, 2);
     shot.model = file.path();
     Diagnostics diagnostics;

@@ -8,7 +8,6 @@
 #include <cstdio>
 
 #include "penumbra/graph.h"
-#include "tests/golden_text.h"
 #include "tests/plan_checks.h"
 #include "tests/plan_mutants.h"
 #include "tests/shipped.h"

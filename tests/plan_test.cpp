@@ -159,19 +159,5 @@ TEST(FrameBlock, ReprojectionDoesNotDependOnTheDistanceFromTheOrigin) {
     EXPECT_FLOAT_EQ(far.camera_delta.v[0], -0.25f);
 }
 
-// A display that is held upright may have its image turned by the projection.
-TEST(FrameBlock, APixelIsAsLargeWhereTheProjectionTurnsTheImage) {
-    FrameDescription frame;
-    frame.size = {100, 100};
-    frame.camera.clip_from_view = frame.previous.clip_from_view = perspective(1, 1, 0.1);
-    const float upright = make_frame_block(frame).pixel_angle;
-    std::array<double, 16>& m = frame.camera.clip_from_view;
-    for (size_t column = 0; column < 16; column += 4) {  // x, y become -y, x
-        std::swap(m[column], m[column + 1]);
-        m[column] = -m[column];
-    }
-    EXPECT_FLOAT_EQ(make_frame_block(frame).pixel_angle, upright);
-}
-
 }  // namespace
 }  // namespace penumbra::test

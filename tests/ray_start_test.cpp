@@ -70,7 +70,6 @@ class RayStart : public GpuTest, public ::testing::WithParamInterface<Plane> {
 TEST_P(RayStart, APlaneShadesNoneOfItsPixels) {
     SessionOptions options;
     options.size = {320, 180};
-    options.optimum = false;
     options.captures = {"view_depth", "receiver_normal", "hits"};
     const auto session = open_session(shipped_pipeline("raw"), shot(), options);
 
@@ -135,7 +134,6 @@ class TerrainStart : public GpuTest {
     size_t dark_by(const char* pipeline, size_t least) {
         SessionOptions options;
         options.size = {320, 180};
-        options.optimum = false;
         options.captures = {"view_depth", "visibility"};
         const auto session = open_session(shipped_pipeline(pipeline), shot_, options);
         size_t receivers = 0, dark = 0;
@@ -205,7 +203,7 @@ TEST_F(TerrainStart, WhatIsBehindAWallThatIsNotDrawnIsInItsShadow) {
     for (const char* name : {"covered", "many_rays"}) {
         SessionOptions options;
         options.size = shot_.size;
-        options.jitter = options.optimum = false;
+        options.jitter = false;
         options.captures = {"visibility"};
         const auto session = open_session(shipped_pipeline(name), shot_, options);
         session->run_frame(0, true);

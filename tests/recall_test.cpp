@@ -13,11 +13,13 @@ namespace {
 
 class Recall : public GpuTest {};
 
+constexpr std::array<uint32_t, 2> size{192, 108};
+
 // Tiles by number, with the pixels that a list asks for.
 std::map<uint32_t, uint32_t> asked(const ShotRun& run, const std::string& list, const std::string& args) {
-    const auto records = run.words(list.c_str());
+    const auto records = run.words(list);
     std::map<uint32_t, uint32_t> tiles;
-    for (uint32_t i = 0; i < run.words(args.c_str()).at(3); ++i)
+    for (uint32_t i = 0; i < run.words(args).at(3); ++i)
         tiles[records.at(4 * i) & 0x3fff1fffu] |= records.at(4 * i + 1);
     return tiles;
 }
@@ -31,7 +33,7 @@ size_t pixels_of(const std::map<uint32_t, uint32_t>& tiles) {
 // A camera that steps aside and back: what the engine's parts uncover, wider than a tile, was not seen
 // before.
 Shot stepping_aside() {
-    Shot shot = shot_named("engine");
+    Shot shot = shot_named("engine", size);
     const CameraKey first = shot.camera.at(0);
     const glm::dvec3 aside = 0.3 * glm::length(first.target - first.position) *
                              glm::normalize(glm::cross(first.target - first.position, first.up));
@@ -49,24 +51,22 @@ Shot stepping_aside() {
 const std::vector<std::string> lists = {"unproved", "unproved_args", "candidates", "candidate_args"};
 
 TEST_F(Recall, ChangesWhoIsAskedAndNotTheImage) {
-    const std::pair<const char*, Shot> shots[] = {{"trees", shot_named("trees")},
-                                                  {"heightfield", shot_named("heightfield")},
-                                                  {"cards", shot_named("cards")},
+    const std::pair<const char*, Shot> shots[] = {{"trees", shot_named("trees", size)},
+                                                  {"heightfield", shot_named("heightfield", size)},
+                                                  {"cards", shot_named("cards", size)},
                                                   {"stepping aside", stepping_aside()}};
     for (const auto& [name, shot] : shots) {
         SCOPED_TRACE(name);
-        ShotRun some(shot, "hybrid_shadows_fast", {}, lists);
-        ShotRun all(shot, "hybrid_shadows_fast", {"nodes.recall.params.turn=1"}, lists);
+        ShotRun some("hybrid_shadows_fast", shot, {{}, lists});
+        ShotRun all("hybrid_shadows_fast", shot, {{"nodes.recall.params.turn=1"}, lists});
         size_t differ = 0, spared = 0, listed = 0;
         for (uint32_t frame = 0; frame < 12; ++frame) {
             const bool cut = frame == 0 || frame == 8;
-            some.frame(frame, cut);
-            all.frame(frame, cut);
+            const auto is = some.frame(frame, cut), should_be = all.frame(frame, cut);
             if (cut) {
                 EXPECT_EQ(asked(some, "candidates", "candidate_args"),
                           asked(some, "unproved", "unproved_args"));
             }
-            const auto is = some.visibility(), should_be = all.visibility();
             for (size_t i = 0; i < is.size(); ++i) differ += is[i] != should_be[i];
             listed += pixels_of(asked(some, "unproved", "unproved_args"));
             spared += pixels_of(asked(some, "unproved", "unproved_args")) -
@@ -82,9 +82,9 @@ TEST_F(Recall, ChangesWhoIsAskedAndNotTheImage) {
 
 // Standing still all that is lit for certain is asked once in `turn` frames, and in the frame after a cut.
 TEST_F(Recall, EverybodyHasATurn) {
-    Shot shot = shot_named("trees");
+    Shot shot = shot_named("trees", size);
     shot.camera.resize(1);
-    ShotRun run(shot, "hybrid_shadows_fast", {"nodes.recall.params.turn=4"}, lists);
+    ShotRun run("hybrid_shadows_fast", shot, {{"nodes.recall.params.turn=4"}, lists});
     std::map<uint32_t, uint32_t> listed, met;
     for (uint32_t frame = 0; frame < 8; ++frame) {
         run.frame(frame, frame == 0);

@@ -7,7 +7,6 @@
 #include "tests/gpu_test.h"
 #include "tests/recording.h"
 #include "tests/shipped.h"
-#include "tests/view_run.h"
 
 int main(int argc, char** argv) {
     using namespace penumbra::test;

@@ -89,7 +89,6 @@ Recording record(const CheckedPipeline& pipeline, const Shot& shot, uint32_t fra
     options.size = shot.size;
     options.captures = pipeline.output_names();
     options.seed = 0;
-    options.optimum = false;
     options.pass_costs = false;
     options.facts = facts;
     if (!jitter) options.jitter = false;
@@ -125,7 +124,9 @@ Recording record(const CheckedPipeline& pipeline, const Shot& shot, uint32_t fra
 
 Plan record_plaza(const CheckedPipeline& pipeline, std::array<uint32_t, 2> size, uint32_t frames,
                   const std::filesystem::path& folder) {
-    Recording recording = record(pipeline, plaza_shot(size, frames), frames, recorded_facts());
+    // Its plan is made by hosts that say nothing of jitter: theirs is jittered where a node asks for it.
+    const bool jitter = tracer_of(pipeline).name == pipeline.name;
+    Recording recording = record(pipeline, plaza_shot(size, frames), frames, recorded_facts(), jitter);
     for (uint32_t f = 0; f < frames; ++f) {
         const RecordedFrame& frame = recording.frames[f];
         const std::filesystem::path to = folder / std::to_string(f);

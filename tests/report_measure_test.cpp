@@ -328,7 +328,7 @@ TEST_F(ReportMeasure, AnInterruptedRunGoesOnWhereItWas) {
     arguments.size = "64x48";
     arguments.seeds = 1;
     arguments.pipelines = {pipeline("raw")};
-    arguments.shots = {make_edge_shot(8, 0.5, 6, folder_ / "shots", diagnostics).shot.file.string()};
+    arguments.shots = {make_edge_shot(8, 0.5, 39, folder_ / "shots", diagnostics).shot.file.string()};
     const auto run = [&] {
         testing::internal::CaptureStdout();
         testing::internal::CaptureStderr();

@@ -15,7 +15,7 @@ constexpr std::array<uint32_t, 2> size{128, 72};
 constexpr uint32_t reused = 1;  // REUSED of shaders/common/reuse_words.glsl
 
 Shot still_camera(const char* name) {
-    Shot shot = shot_named(name);
+    Shot shot = shot_named(name, size);
     shot.camera.resize(1);
     return shot;
 }
@@ -42,22 +42,22 @@ const std::vector<std::string> whatever_the_camera_does{
 class Pair {
   public:
     Pair(const Shot& shot, std::vector<std::string> settings = {})
-        : with_(shot, "hybrid_shadows", with(settings, whatever_the_camera_does),
-                {"reuse_words", "candidate_args"}, {}, size),
-          without_(shot, "hybrid_shadows",
-                   with(settings, {"nodes.reuse=null", "nodes.retain=null", "inputs.moved_boxes=null"}),
-                   {"given_up", "candidate_args"}, {}, size) {
-        set_jitter(true);
-    }
+        : with_("hybrid_shadows", shot,
+                {.settings = with(settings, whatever_the_camera_does),
+                 .captures = {"reuse_words", "candidate_args"},
+                 .jitter = true}),
+          without_("hybrid_shadows", shot,
+                   {.settings =
+                        with(settings, {"nodes.reuse=null", "nodes.retain=null", "inputs.moved_boxes=null"}),
+                    .captures = {"given_up", "candidate_args"},
+                    .jitter = true}) {}
     void set_jitter(bool wanted) {
-        with_.set_jitter(wanted);
-        without_.set_jitter(wanted);
+        with_.session().set_jitter(wanted);
+        without_.session().set_jitter(wanted);
     }
     // Tiles that were reused.
     size_t frame(uint32_t index, bool reset = false) {
-        with_.frame(index, reset);
-        without_.frame(index, reset);
-        const auto is = with_.visibility(), should_be = without_.visibility();
+        const auto is = with_.frame(index, reset), should_be = without_.frame(index, reset);
         const auto given_up = without_.words("given_up");
         size_t differ = 0;
         for (size_t i = 0; i < is.size(); ++i) {

@@ -11,7 +11,6 @@
 #include "penumbra/user_nodes.h"
 #include "tests/embedding_host.h"
 #include "tests/test_folder.h"
-#include "tests/toy_nodes.h"
 #include "tests/view_run.h"
 
 namespace penumbra::test {

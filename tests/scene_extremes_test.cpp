@@ -20,7 +20,6 @@ constexpr std::array<uint32_t, 2> size{203, 117};
 
 std::unique_ptr<Session> open(const std::string& pipeline, Shot shot, SessionOptions options) {
     options.size = shot.size;
-    options.optimum = false;
     options.captures = {"visibility", "view_depth", pipeline == "raw" ? "lit" : "color"};
     return open_session(shipped_pipeline(pipeline), std::move(shot), options);
 }

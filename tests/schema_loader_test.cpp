@@ -5,8 +5,6 @@
 #include <random>
 
 #include "host/shots/shot.h"
-#include "penumbra/shadow_nodes.h"
-#include "penumbra/user_nodes.h"
 #include "tests/schema_file.h"
 #include "tests/test_folder.h"
 #include "tests/toy_set.h"

@@ -21,7 +21,6 @@ std::unique_ptr<Session> open(const Shot& shot, uint32_t rays, SessionOptions op
                                                "nodes.trace.params.rays_per_pixel=" + std::to_string(rays)};
     options.size = shot.size;
     options.captures.push_back("visibility");
-    options.optimum = false;
     options.jitter = false;
     return open_session(shipped_pipeline(name, settings), shot, options);
 }

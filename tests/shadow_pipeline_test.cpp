@@ -17,7 +17,6 @@ namespace {
 
 std::unique_ptr<Session> open(const CheckedPipeline& pipeline, Shot shot, SessionOptions options) {
     options.size = shot.size;
-    options.optimum = false;
     for (const std::string& name : pipeline.output_names())
         if (std::find(options.captures.begin(), options.captures.end(), name) == options.captures.end())
             options.captures.push_back(name);

@@ -2,74 +2,41 @@
 // shadows.json on shots that come with the project. Standing still: what many rays per pixel say is reached,
 // also where gathering the neighbours' rays has a bias (leaves in several layers, curved surfaces): a pixel's
 // own rays know. Without that, trees at 192x108 read 64 after 64 frames instead of 257.
-#include <cstring>
-#include <glm/gtc/packing.hpp>
+#include <cmath>
 
-#include "app/session.h"
-#include "app/truth.h"
 #include "host/models/glb_writer.h"
 #include "tests/gpu_test.h"
 #include "tests/scene_file.h"
-#include "tests/shipped.h"
 #include "tests/shot_run.h"
 #include "tests/test_scene.h"
-#include "tests/view_run.h"
 
 namespace penumbra::test {
 namespace {
 
 Shot still_shot(const std::string& name) {
-    Shot shot = shot_named(name);
+    Shot shot = shot_named(name, {{128, 72}});
     shot.camera.resize(1);
-    shot.size = {128, 72};
     return shot;
 }
 
-Truth truth_of(const Shot& shot, uint32_t frame = 0, uint32_t rays = 400) {
-    Diagnostics diagnostics;
-    std::vector<std::string> warnings;
-    const auto session = open_truth(gpu(), shot, diagnostics, warnings);
-    if (!session) throw std::runtime_error(diagnostics.text());
-    return counted_truth(*session, frame, rays);
-}
-
-// `facts`: what the pipeline is told whatever the scene says.
-std::unique_ptr<Session> open(const Shot& shot, const char* pipeline, const Facts& facts, bool jitter) {
-    SessionOptions options;
-    options.size = shot.size;
-    options.captures = {"visibility"};
-    if (!jitter) options.jitter = false;
-    options.facts = facts;
-    options.optimum = false;
-    return open_session(shipped_pipeline(pipeline), shot, options, test_nodes());
-}
-
-// Of the last of 48 frames, every eighth: one frame is as good as its luck.
+// Of the last of 48 frames, every eighth: one frame is as good as its luck. `facts`: what the pipeline is
+// told whatever the scene says.
 double n_eff(const Shot& shot, const Truth& truth, const Facts& facts, const char* pipeline) {
     constexpr uint32_t frames = 48, judged = 16;
-    const auto session = open(shot, pipeline, facts, false);
-    double signal = 0, error = 0;
+    ShotRun run(pipeline, shot, {.facts = facts});
+    double errors = 0;
     for (uint32_t frame = 0; frame < frames; ++frame) {
-        session->run_frame(frame, frame == 0);
-        if (frame < frames - judged || frame % 8 != 7) continue;
-        const auto bytes = session->view().captured("visibility");
-        for (size_t i = 0; i < truth.visibility.size(); ++i) {
-            if (truth.receiver[i] <= 0) continue;
-            uint16_t half = 0;
-            std::memcpy(&half, &bytes[2 * i], 2);
-            const double v = truth.visibility[i], d = glm::unpackHalf1x16(half) - v;
-            if (v >= 1.0 / 256 && v <= 255.0 / 256) signal += v * (1 - v);
-            error += d * d;
-        }
+        const std::vector<float> image = run.frame(frame, frame == 0);
+        if (frame >= frames - judged && frame % 8 == 7) errors += 1 / n_eff_of_receivers(image, truth);
     }
-    return signal / error;
+    return judged / 8 / errors;
 }
 
 class ShadowsOfShots : public GpuTest {};
 
 TEST_F(ShadowsOfShots, StandingStillReachWhatManyRaysSay) {
     const Shot shot = still_shot("trees");
-    const Truth truth = truth_of(shot);
+    const Truth truth = truth_of(shot, 0, 400);
     for (const char* pipeline : {"one_ray", "shadows"}) {
         SCOPED_TRACE(pipeline);
         const double still = n_eff(shot, truth, {}, pipeline),
@@ -89,27 +56,22 @@ TEST_F(ShadowsOfShots, AreVisibilitiesUnderAWideSun) {
         Shot shot = still_shot(name);
         shot.objects.clear();
         shot.sun_angular_radius_deg = 20;
-        const auto session = open(shot, "one_ray", {}, false);
+        ShotRun run("one_ray", shot);
         size_t outside = 0;
-        for (uint32_t frame = 0; frame < 32; ++frame) {
-            session->run_frame(frame, frame == 0);
-            const auto planes = captured_planes(session->view(), "visibility");
-            outside += static_cast<size_t>(
-                std::ranges::count_if(planes.at(0), [](float v) { return !(v >= 0 && v <= 1); }));
-        }
+        for (uint32_t frame = 0; frame < 32; ++frame)
+            outside += count_if(run.frame(frame, frame == 0), [](float v) { return !(v >= 0 && v <= 1); });
         EXPECT_EQ(outside, 0u) << name;
     }
 }
 
 // Frames 32 to 39 under jitter, of a camera and things that stand still.
 std::vector<float> jittered(const Shot& shot, const char* pipeline, bool& moves) {
-    const auto session = open(shot, pipeline, {}, true);
-    moves = session->plan().facts.at("moves");
+    ShotRun run(pipeline, shot, {.jitter = true});
+    moves = run.session().plan().facts.at("moves");
     std::vector<float> out;
     for (uint32_t frame = 0; frame < 40; ++frame) {
-        session->run_frame(frame, frame == 0);
-        if (frame >= 32)
-            std::ranges::copy(captured_planes(session->view(), "visibility").at(0), std::back_inserter(out));
+        const std::vector<float> image = run.frame(frame, frame == 0);
+        if (frame >= 32) out.insert(out.end(), image.begin(), image.end());
     }
     return out;
 }
@@ -156,7 +118,7 @@ TEST_F(ShadowsOfShots, ASunThatTheFloorCutsIsNoChange) {
     shot.sun_angular_radius_deg = 2;
     shot.sun = {{0, {1, 0.03, 0.2}}};  // 1.7 degrees
     const Facts may_change{{"moves", true}, {"sun_moves", true}};
-    const Truth truth = truth_of(shot);
+    const Truth truth = truth_of(shot, 0, 400);
     for (const char* pipeline : {"one_ray", "shadows"})
         EXPECT_GT(n_eff(shot, truth, may_change, pipeline), 80) << pipeline;
 }
@@ -166,29 +128,11 @@ TEST_F(ShadowsOfShots, ASunThatTheFloorCutsIsNoChange) {
 double moving_error(const Shot& shot, const char* pipeline) {
     constexpr uint32_t last = 15;
     const Truth truth = truth_of(shot, last, 144);
-    SessionOptions options;
-    options.size = shot.size;
-    options.captures = {"visibility"};
-    options.jitter = false;
-    options.optimum = false;
-    const auto session = open_session(shipped_pipeline(pipeline), shot, options, test_nodes());
-    for (uint32_t frame = 0; frame <= last; ++frame) session->run_frame(frame, frame == 0);
-    const auto bytes = session->view().captured("visibility");
+    const std::vector<float> image = ShotRun(pipeline, shot).up_to(last);
     double error = 0;
-    for (size_t i = 0; i < truth.visibility.size(); ++i) {
-        if (truth.receiver[i] <= 0) continue;
-        uint16_t half = 0;
-        std::memcpy(&half, &bytes[2 * i], 2);
-        const double d = glm::unpackHalf1x16(half) - truth.visibility[i];
-        error += d * d;
-    }
+    for (size_t i = 0; i < image.size(); ++i)
+        if (truth.receiver[i] > 0) error += std::pow(double(image[i]) - truth.visibility[i], 2);
     return error;
-}
-
-Shot moving_shot(const char* name) {
-    Shot shot = shot_named(name);
-    shot.size = {192, 108};
-    return shot;
 }
 
 class ShadowsOfMovingShots : public GpuTest,
@@ -197,7 +141,7 @@ class ShadowsOfMovingShots : public GpuTest,
 // Summed squared error: 18 and 21 while the past of a hard edge was taken at its word.
 TEST_P(ShadowsOfMovingShots, DoNotTrustThePastOfAHardEdge) {
     const auto& [shot, most] = GetParam();
-    EXPECT_LT(moving_error(moving_shot(shot), "shadows"), most);
+    EXPECT_LT(moving_error(shot_named(shot, {{192, 108}}), "shadows"), most);
 }
 
 INSTANTIATE_TEST_SUITE_P(Shots, ShadowsOfMovingShots,

@@ -9,7 +9,7 @@ namespace penumbra::test {
 namespace {
 
 double n_eff(const Edge& edge, const char* pipeline = "one_ray") {
-    return n_eff_inside(edge, EdgeRun(edge, pipeline, 1).up_to(edge.last));
+    return n_eff_inside(edge, ShotRun(pipeline, shot_of(edge), {.seed = 1}).up_to(edge.last));
 }
 
 class Shadows : public GpuTest {};
@@ -85,7 +85,8 @@ TEST_F(Shadows, SpendRaysOnAPastThatIsSlowlyLeftBehind) {
     for (const double speed : {-0.1, 0.1})
         for (const uint32_t seed : {0u, 1u}) {
             const Edge edge{.width_px = 16, .speed_px = speed, .last = 39};
-            mean += 0.25 * n_eff_inside(edge, EdgeRun(edge, "shadows_best", seed).up_to(edge.last));
+            mean += 0.25 * n_eff_inside(
+                               edge, ShotRun("shadows_best", shot_of(edge), {.seed = seed}).up_to(edge.last));
         }
     std::printf("%.4g\n", mean);
     EXPECT_GT(mean, 550);
@@ -96,7 +97,7 @@ TEST_F(Shadows, AreSoftenedBelowARadiusOfFourPixels) {
     double mean = 0;
     for (const uint32_t seed : {0u, 1u, 2u, 3u}) {
         const Edge edge{.width_px = 6.5, .last = 0};
-        mean += 0.25 * n_eff_inside(edge, EdgeRun(edge, "one_ray", seed).up_to(0));
+        mean += 0.25 * n_eff_inside(edge, ShotRun("one_ray", shot_of(edge), {.seed = seed}).up_to(0));
     }
     std::printf("%.4g\n", mean);
     EXPECT_GT(mean, 55);
@@ -104,23 +105,25 @@ TEST_F(Shadows, AreSoftenedBelowARadiusOfFourPixels) {
 
 TEST_F(Shadows, AreAsGoodAtTheBordersAsInside) {
     const Edge edge{.width_px = 32, .last = 31};
-    const std::vector<float> image = EdgeRun(edge, "shadows", 3).up_to(edge.last);
-    const auto border = [&](int, int y) { return y < 8 || y >= int(edge.size[1]) - 8; };
-    const auto inside = [&](int x, int y) { return !border(x, y); };
-    EXPECT_GT(n_eff(edge, image, border), 0.3 * n_eff(edge, image, inside));
+    const std::vector<float> image = ShotRun("shadows", shot_of(edge), {.seed = 3}).up_to(edge.last);
+    const auto border = [&](size_t i) {
+        return i / edge.size[0] < 8 || i / edge.size[0] >= edge.size[1] - 8;
+    };
+    const auto inside = [&](size_t i) { return !border(i); };
+    EXPECT_GT(test::n_eff(image, truth_of(edge), border), 0.3 * test::n_eff(image, truth_of(edge), inside));
 }
 
 TEST_F(Shadows, AreExactWhereNothingIsUncertain) {
     for (const double offset : {-400.0, 400.0}) {
-        const std::vector<float> image =
-            EdgeRun({.width_px = 8, .last = 3, .offset_px = offset, .size = {203, 61}}, "shadows").up_to(3);
+        const Edge edge{.width_px = 8, .last = 3, .offset_px = offset, .size = {203, 61}};
+        const std::vector<float> image = ShotRun("shadows", shot_of(edge)).up_to(3);
         for (const float v : image) ASSERT_EQ(v, offset < 0 ? 1.0f : 0.0f);
     }
 }
 
 TEST_F(Shadows, ForgetEverythingOnAReset) {
     const Edge edge{.width_px = 16, .speed_px = 1, .last = 8};
-    EdgeRun warm(edge, "shadows"), cold(edge, "shadows");
+    ShotRun warm("shadows", shot_of(edge)), cold("shadows", shot_of(edge));
     warm.up_to(7);
     EXPECT_TRUE(warm.frame(8, true) == cold.frame(8, true));
 }
@@ -128,7 +131,7 @@ TEST_F(Shadows, ForgetEverythingOnAReset) {
 // A first frame without the reset flag reads what the memory happens to hold.
 TEST_F(Shadows, TakeGarbageForNoHistory) {
     const Edge edge{.width_px = 16, .last = 4};
-    EdgeRun clean(edge, "shadows", 0, 0u), poisoned(edge, "shadows", 0, 1u);
+    ShotRun clean("shadows", shot_of(edge), {.poison = 0}), poisoned("shadows", shot_of(edge), {.poison = 1});
     for (uint32_t index = 0; index <= edge.last; ++index) {
         SCOPED_TRACE(index);
         EXPECT_TRUE(clean.frame(index, index == 0) == poisoned.frame(index, false));

@@ -12,6 +12,7 @@
 #include <set>
 
 #include "host/models/model.h"
+#include "host/shots/model_shot.h"
 #include "tests/golden_text.h"
 #include "tests/test_folder.h"
 
@@ -172,6 +173,31 @@ TEST(Shot, ListsAreBounded) {
     size_t suggested = 0;
     for (size_t at = text.find("mean"); at != text.npos; at = text.find("mean", at + 1)) ++suggested;
     EXPECT_EQ(suggested, 16u);
+}
+
+// A shot finds its model again by the way that was written, whatever folder on it is a link, and
+// whether or not the shot's own folder is there yet.
+TEST(Shot, NamesOfModelsLeadBackToThem) {
+    const test::TestFolder root;
+    fs::create_directories(root / "far/deep");
+    fs::create_directories(root / "models/sets");
+    fs::create_directory_symlink(root / "far/deep", root / "link");
+    fs::create_directory_symlink(root / "models/sets", root / "sets");
+    for (const char* file : {"m.gltf", "far/m.gltf", "models/m.gltf", "models/sets/m.gltf"})
+        std::ofstream(root / file) << file;
+    fs::create_symlink(root / "far/m.gltf", root / "alias.gltf");
+    for (const char* model : {"m.gltf", "far/m.gltf", "sets/m.gltf", "models/m.gltf", "alias.gltf"})
+        for (const char* of_shot : {"", "far", "link", "link/new/er", "new", "models/sets", "sets"}) {
+            const fs::path shots = root / of_shot, way = seen_from(root / model, shots);
+            EXPECT_EQ(way.filename(), fs::path(model).filename());
+            EXPECT_TRUE(fs::equivalent(from_folder(shots, way.string()), root / model)) << model << of_shot;
+            fs::create_directories(shots);
+            EXPECT_TRUE(fs::equivalent(from_folder(shots, way.string()), root / model)) << model << of_shot;
+            for (const char* made : {"far/deep/new", "new"}) fs::remove_all(root / made);
+        }
+    EXPECT_EQ(from_folder("scenes/lights", "../absent.glb"), "scenes/absent.glb") << "as short as it can be";
+    fs::remove(root / "far/m.gltf");
+    EXPECT_FALSE(fs::exists(from_folder(root / "link", "../m.gltf"))) << "there is another of that name";
 }
 
 // 16 distinct offsets that fill one pixel without a bias.

@@ -2,11 +2,8 @@
 // The active size of a frame, which is at most the plan's: a plan for a larger one gives the same images to
 // the bit, and what was accumulated before the size changed is worth as much behind it.
 #include <algorithm>
-#include <cmath>
-#include <glm/gtc/packing.hpp>
+#include <cstring>
 
-#include "app/session.h"
-#include "app/truth.h"
 #include "tests/gpu_test.h"
 #include "tests/shipped.h"
 #include "tests/shot_pipeline.h"
@@ -33,7 +30,7 @@ Outputs run(const std::string& name, std::array<uint32_t, 2> of_size,
     options.largest = in;
     options.captures = pipeline.output_names();
     options.poison = 0;  // what lies outside of the frame is no number
-    options.optimum = options.pass_costs = false;
+    options.pass_costs = false;
     options.cascade_size = 64;
     const auto session = open_session(pipeline, shot, options, test_nodes());
     Outputs outputs(frames);
@@ -76,32 +73,19 @@ TEST_F(SizeChangeGpu, WhatLiesBesideTheFrameIsNotRead) {
     }
 }
 
-std::vector<double> visibility_of(const Bytes& bytes) {
-    std::vector<double> values(bytes.size() / 2);
+// Rays per pixel that would be as far from the truth.
+double n_eff(const Bytes& bytes, const Truth& truth) {
+    std::vector<float> values(bytes.size() / 2);
     for (size_t i = 0; i < values.size(); ++i) {
         uint16_t half = 0;
         std::memcpy(&half, &bytes[2 * i], 2);
-        values[i] = glm::unpackHalf1x16(half);
+        values[i] = from_half(half);
     }
-    return values;
-}
-
-// Rays per pixel that would be as far from the truth.
-double n_eff(const Bytes& bytes, const Truth& truth) {
-    const std::vector<double> values = visibility_of(bytes);
-    double signal = 0, error = 0;
-    for (size_t i = 0; i < values.size(); ++i) {
-        if (truth.receiver[i] <= 0) continue;
-        const double v = truth.visibility[i], d = values[i] - v;
-        if (v >= 1.0 / 256 && v <= 255.0 / 256) signal += v * (1 - v);
-        error += d * d;
-    }
-    return signal / error;
+    return n_eff_of_receivers(values, truth);
 }
 
 Shot shipped_shot(const char* name, std::array<uint32_t, 2> of_size, bool still) {
-    Shot shot = shot_named(name);
-    shot.size = of_size;
+    Shot shot = shot_named(name, of_size);
     if (still) shot.camera.resize(1);
     return shot;
 }
@@ -155,25 +139,19 @@ TEST_P(HistoryGpu, SurvivesAChangeOfSize) {
               : recorded_facts();
     const Recording old = record(pipeline, shipped_shot(name, before, still), change, facts, false),
                     own = record(pipeline, shipped_shot(name, after, still), frames, facts, false);
-    Diagnostics diagnostics;
-    std::vector<std::string> warnings;
-    const auto truth_of = [&, shot = name, fixed = still](std::array<uint32_t, 2> of_size, uint32_t frame) {
-        const auto truths = open_truth(gpu(), shipped_shot(shot, of_size, fixed), diagnostics, warnings);
-        if (!truths) throw std::runtime_error(diagnostics.text());
-        return counted_truth(*truths, frame, 144);
-    };
     const Extent most{std::max(before[0], after[0]), std::max(before[1], after[1])};
     SizedRun changed(pipeline, most, own.plan), anew(pipeline, most, own.plan);
     for (uint32_t f = 0; f < change; ++f) changed.frame(old.frames[f], f ? &old.frames[f - 1] : nullptr);
-    std::printf("%s%s, %ux%u to %ux%u: N_eff %.2f before\n", name, still ? " (still)" : "", before[0],
-                before[1], after[0], after[1],
-                n_eff(changed.output("visibility"), truth_of(before, change - 1)));
+    std::printf(
+        "%s%s, %ux%u to %ux%u: N_eff %.2f before\n", name, still ? " (still)" : "", before[0], before[1],
+        after[0], after[1],
+        n_eff(changed.output("visibility"), truth_of(shipped_shot(name, before, still), change - 1, 144)));
     for (uint32_t f = change; f < frames; ++f) {
         changed.frame(own.frames[f], f == change ? &old.frames[f - 1] : &own.frames[f - 1]);
         anew.frame(own.frames[f], f == change ? nullptr : &own.frames[f - 1]);
         EXPECT_EQ(changed.view().reset().reason, Reset::Reason::none);
         if (f != change && f + 1 != frames) continue;
-        const Truth truth = truth_of(after, f);
+        const Truth truth = truth_of(shipped_shot(name, after, still), f, 144);
         const double kept = n_eff(changed.output("visibility"), truth),
                      reset = n_eff(anew.output("visibility"), truth),
                      ideal = n_eff(own.frames[f].outputs.at("visibility"), truth);

@@ -4,14 +4,11 @@
 #include <algorithm>
 #include <cmath>
 #include <stdexcept>
+#include <utility>
 
-#include "app/session.h"
-#include "app/truth.h"
 #include "host/truth/analytic.h"
 #include "tests/process_size.h"
-#include "tests/shipped.h"
 #include "tests/shot_run.h"
-#include "tests/view_run.h"
 
 namespace penumbra::test {
 namespace {
@@ -44,21 +41,9 @@ Shot jumping_shot(const SoakOptions& options) {
 
 class Run {
   public:
-    Run(Device& device, const SoakOptions& options) {
-        SessionOptions session_options;
-        session_options.size = options.size;
-        session_options.captures = {"visibility"};
-        session_options.jitter = false;
-        session_options.optimum = false;
-        session_options.pass_costs = false;
-        session_ = open_session(shipped_pipeline(options.pipeline), jumping_shot(options), session_options,
-                                shipped_nodes(), device);
-    }
-    void frame(uint32_t index) {
-        session_->run_frame(index, !begun_);
-        begun_ = true;
-    }
-    std::vector<float> visibility() const { return captured_planes(session_->view(), "visibility").at(0); }
+    Run(Device& device, const SoakOptions& options)
+        : run_(options.pipeline, jumping_shot(options), {}, device) {}
+    std::vector<float> frame(uint32_t index) { return run_.frame(index, !std::exchange(begun_, true)); }
 
     // Where the run goes on after its last frame, and the caster has jumped: the mean distance from the truth
     // over that of the picture before.
@@ -67,8 +52,8 @@ class Run {
         const std::vector<float> before = analytic_truth(there, 0).visibility;
         there.analytic->offset_px = jump_px(there);
         const std::vector<float> after = analytic_truth(there, 0).visibility;
-        for (uint32_t i = 0; i < after_jump; ++i) frame(options.frames + i);
-        const std::vector<float> now = visibility();
+        std::vector<float> now;
+        for (uint32_t i = 0; i < after_jump; ++i) now = frame(options.frames + i);
         double left = 0, whole = 0;
         for (size_t i = 0; i < now.size(); ++i) {
             left += std::abs(now[i] - after[i]);
@@ -78,7 +63,7 @@ class Run {
     }
 
   private:
-    std::unique_ptr<Session> session_;
+    ShotRun run_;
     bool begun_ = false;
 };
 
@@ -147,9 +132,8 @@ Soak soak(Device& device, const SoakOptions& options) {
     for (SoakWindow& w : result.windows) {
         double error = 0, sum = 0;
         for (; next < w.first + window; ++next) {
-            run.frame(next);
+            const std::vector<float> v = run.frame(next);
             if (next < w.first) continue;
-            const std::vector<float> v = run.visibility();
             for (size_t i = 0; i < v.size(); ++i) {
                 result.nonfinite += !std::isfinite(v[i]);
                 error += (double(v[i]) - truth[i]) * (double(v[i]) - truth[i]);

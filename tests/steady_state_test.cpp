@@ -8,17 +8,14 @@
 #include <cstring>
 
 #include "app/session.h"
-#include "graph/functions.h"
 #include "host/models/shapes.h"
 #include "penumbra/graph.h"
 #include "tests/allocations.h"
 #include "tests/c_requests.h"
 #include "tests/gpu_test.h"
-#include "tests/process_size.h"
 #include "tests/shipped.h"
 #include "tests/shot_run.h"
 #include "tests/test_scene.h"
-#include "tests/toy_set.h"
 
 namespace penumbra::test {
 namespace {
@@ -128,7 +125,6 @@ size_t allocations_of(const std::function<void()>& act) {
 TEST_F(SteadyStateGpu, APipelineWithoutShadowMapsHasNoneFitted) {
     SessionOptions options;
     options.size = {64, 32};
-    options.optimum = false;
     const auto open = [&](uint32_t frames) {
         return open_session(shipped_pipeline("raw"), plaza_shot(options.size, frames), options);
     };

@@ -189,7 +189,6 @@ struct Comparison {
 Comparison compare_backends(const Shot& shot, const std::vector<uint32_t>& frames) {
     SessionOptions options;
     options.size = shot.size;
-    options.optimum = false;
     options.captures = {"view_depth", "receiver_normal", "tile_list", "trace_args", "hits", "hits_q"};
     const auto session = open_session(both_backends(), shot, options);
     Comparison sum;
@@ -258,7 +257,6 @@ TEST_P(ColdStart, TracesWhereThingsAreNow) {
     shot.objects["block"].keys = {{0, {300, 0, 0}, {0, 0, 0}}, {16, {1, 1, 1}, {0, 20, 0}}};
     SessionOptions options;
     options.size = shot.size;
-    options.optimum = false;
     options.captures = {"view_depth", "receiver_normal", "tile_list", "trace_args", "hits"};
     const auto session = open_session(raw_with(GetParam()), shot, options);
     session->run_frame(16, true);

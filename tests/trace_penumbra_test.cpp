@@ -20,7 +20,6 @@ class TracePenumbra : public GpuTest, public ::testing::WithParamInterface<const
 TEST_P(TracePenumbra, IsAsWideAsTheNearestBlockerIsFar) {
     SessionOptions options;
     options.size = {384, 216};
-    options.optimum = false;
     options.captures = {"view_depth", "receiver_normal", "tile_list", "trace_args", "penumbra"};
     const auto session = open_session(shipped_pipeline("sigma"), shot_named(GetParam()), options);
 

@@ -19,7 +19,6 @@ class Trace : public GpuTest, public ::testing::WithParamInterface<const char*> 
 TEST_P(Trace, AgreesWithEmbreeOnAMillionShadowRays) {
     SessionOptions options;
     options.size = {1280, 720};
-    options.optimum = false;
     options.captures = {"view_depth", "receiver_normal", "tile_list", "trace_args", "hits"};
     const auto session = open_session(shipped_pipeline("raw"), shot_named(GetParam()), options);
 

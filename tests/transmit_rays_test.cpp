@@ -53,7 +53,6 @@ class TransmitRays : public GpuTest, public ::testing::WithParamInterface<const 
         shot.sun = {{0, {0, 1, 0}}};
         SessionOptions options;
         options.size = shot.size;
-        options.optimum = false;
         options.jitter = false;
         options.captures = std::move(captures);
         auto session = open_session(shipped_pipeline(GetParam()), shot, options);

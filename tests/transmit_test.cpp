@@ -211,7 +211,6 @@ Seen render(const Model& model, const std::vector<std::string>& settings = {},
     shot.objects = moving;
     SessionOptions options;
     options.size = shot.size;
-    options.optimum = false;
     options.jitter = false;
     options.poison = poison;
     options.captures = {"transmittance", "visibility", "view_depth"};
@@ -353,7 +352,6 @@ TEST_F(Transmit, TheFirstPaneIsTheNearestThoughOneBeyondIsBlack) {
     const Shot shot = shot_of(file.path());
     SessionOptions options;
     options.size = shot.size;
-    options.optimum = false;
     options.jitter = false;
     options.captures = {"penumbra", "translucency"};
     const auto session = open_session(shipped_pipeline("sigma_translucency"), shot, options);
@@ -437,7 +435,6 @@ TEST_F(Transmit, ForSigmaGlassIsABlockerWithAColour) {
     const Shot shot = shot_of(file.path());
     SessionOptions options;
     options.size = shot.size;
-    options.optimum = false;
     options.jitter = false;
     options.captures = {"penumbra", "translucency", "transmittance", "view_depth"};
     const auto session = open_session(shipped_pipeline("sigma_translucency"), shot, options);

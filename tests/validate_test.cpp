@@ -17,7 +17,6 @@
 #include "app/session.h"
 #include "app/validation.h"
 #include "host/device/gpu.h"
-#include "tests/golden_text.h"
 #include "tests/gpu_test.h"
 #include "tests/shipped.h"
 #include "tests/shot_pipeline.h"
@@ -331,7 +330,6 @@ Frames run(const std::string& pipeline, const Shot& shot, uint32_t frames, bool 
     const CheckedPipeline checked_pipeline = pipeline_for(shot, pipeline);
     SessionOptions options;
     options.size = shot.size;
-    options.optimum = false;
     options.cascade_size = 64;
     options.captures = checked_pipeline.output_names();
     options.validate = validate;

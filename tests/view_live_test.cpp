@@ -133,6 +133,28 @@ TEST_F(ViewLive, AnyResourceIsSeenAndAWrongNameIsSaid) {
     EXPECT_EQ(l.shown(), before);
 }
 
+// As one of the host's is: what the pipeline makes is seen, and listed once.
+TEST_F(ViewLive, AResourceNamedAsAHostImageIsThePipelines) {
+    fs::copy(PENUMBRA_SOURCE_DIR "/examples/invert/nodes", folder_ / "nodes");
+    std::vector<uint8_t> seen[2];
+    for (const bool of_host : {false, true}) {
+        const char* const name = of_host ? "albedo" : "mask";
+        const std::string out = R"("out": { "shadow": ")" + std::string(name) + R"(" })",
+                          outputs = R"("outputs": [")" + std::string(name) + R"(", "visibility"])";
+        Live l = live(write("mine.json", R"({ "extends": ")" PENUMBRA_SOURCE_DIR
+                                         R"(/pipelines/raw.json", "name": "mine", )" +
+                                             outputs + R"(, "inputs": { "albedo": null },
+            "nodes": { "shade": null, "again": { "type": "invert", )" +
+                                             out + " } } }"));
+        ASSERT_TRUE(l.open()) << l.error();
+        l.show(name);
+        run(l, 1);
+        seen[of_host] = rgba(l, name);
+        EXPECT_EQ(std::ranges::count(resources_of(l.stage()), name), 1);
+    }
+    EXPECT_EQ(seen[0], seen[1]);
+}
+
 TEST_F(ViewLive, TheTruthConvergesWhileNothingMovesAndJudges) {
     Live good = live("hybrid_shadows"), noisy = live("raw");
     for (Live* l : {&good, &noisy}) {

@@ -236,16 +236,19 @@ TEST_F(ViewWindow, HeadlessIsTheSamePictureAndMistakesAreSaid) {
     EXPECT_EQ(json["beside"], "truth");
     EXPECT_GE(json["judgement"]["rays"], 16);
     EXPECT_NEAR(json["judgement"]["n_eff"].get<double>(), 1, 0.6);
-    expect(run("view raw --shot lamp --size 160x90 --show vis --headless " + png + "x"), 2, "\"vis\"");
-    expect(run("view rew --shot lamp --headless " + png + "x"), 2, "did you mean \"raw\"?");
+    const std::string failed = in("failed.png");
+    expect(run("view raw --shot lamp --size 160x90 --show vis --headless " + failed), 2, "\"vis\"");
+    expect(run("view raw --shot lamp --size 160x90 --window 99999x10 --headless " + failed), 2,
+           "--window: 99999x10 exceeds the device's largest image");
+    expect(run("view rew --shot lamp --headless " + failed), 2, "did you mean \"raw\"?");
     expect(run("view raw --shot lamp --rays 16"), 2, "--headless");
-    expect(run("view raw_reflections --shot lamp --size 160x90 --beside truth --headless " + png + "x"), 2,
+    expect(run("view raw_reflections --shot lamp --size 160x90 --beside truth --headless " + failed), 2,
            "visibility");
     const std::string analytic =
         file("a.shot.json", R"({"penumbra_shot": 1, "scene": {"analytic": "half_plane",
         "penumbra_px": 16}, "sun": {"keys": [{"frame": 0, "to_sun": [0.3, 0.2, 1]}]}})");
-    expect(run("view raw --shot " + analytic + " --headless " + png + "x"), 2, "analytic");
-    EXPECT_FALSE(fs::exists(png + "x")) << "nothing is left of what failed";
+    expect(run("view raw --shot " + analytic + " --headless " + failed), 2, "analytic");
+    EXPECT_FALSE(fs::exists(failed)) << "nothing is left of what failed";
 }
 
 // Without a screen there is an error in words.

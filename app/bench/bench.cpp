@@ -222,6 +222,7 @@ std::optional<Scene> measure(Device& device, const NodeSet& nodes, const Subject
                              std::vector<std::string>& warnings) {
     SessionOptions session_options;
     session_options.size = size;
+    session_options.optimum = true;
     session_options.hold = options.still;
     session_options.light = options.light;
     // On a processor they are wall times, and what waits for them is a part of the frame's cost.

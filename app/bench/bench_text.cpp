@@ -9,6 +9,7 @@
 
 #include "app/bench/native_pass.h"
 #include "app/device_json.h"
+#include "app/markdown.h"
 #include "app/or_null.h"
 
 namespace penumbra::bench {
@@ -102,16 +103,14 @@ struct Table {
 
     using Cell = std::function<std::string(const Figures&, const Scene&)>;
     void head(const std::string& what) {
-        text += "| " + what + " |";
-        for (const Scene* scene : scenes) text += " " + scene->shot + " |";
-        text += "\n|---|";
-        for (size_t i = 0; i < scenes.size(); ++i) text += "---|";
-        text += "\n";
+        std::vector<std::string> cells{what};
+        for (const Scene* scene : scenes) cells.push_back(scene->shot);
+        text += markdown_head(cells);
     }
     void row(const std::string& what, const Cell& cell) {
-        text += "| " + what + " |";
-        for (const Scene* scene : scenes) text += " " + cell(scene->contenders[contender], *scene) + " |";
-        text += "\n";
+        std::vector<std::string> cells{what};
+        for (const Scene* scene : scenes) cells.push_back(cell(scene->contenders[contender], *scene));
+        text += markdown_row(cells);
     }
 };
 

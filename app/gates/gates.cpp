@@ -61,7 +61,6 @@ bool run(const Bench& bench, const Shot& shot, uint32_t seeds, uint32_t from, co
     options.size = shot.size;
     options.captures = {"visibility"};
     options.jitter = false;  // the truth is that of pixel centres
-    options.optimum = false;
     options.facts = facts;
     const auto session = Session::open(bench.device, bench.nodes, bench.pipeline, shot, options,
                                        bench.diagnostics, bench.warnings);

@@ -19,7 +19,6 @@ bool run(const RadianceBench& bench, const char* what, const Shot& shot, const L
     options.size = shot.size;
     options.captures = {bench.signal};
     options.jitter = false;  // the truth is that of pixel centres
-    options.optimum = false;
     options.pass_costs = false;
     const auto session = Session::open(bench.device, bench.nodes, bench.pipeline, shot, options,
                                        bench.diagnostics, bench.warnings);

@@ -6,6 +6,7 @@
 
 #include "app/counted.h"
 #include "app/gates/radiance_gates.h"
+#include "app/markdown.h"
 #include "app/node_folders.h"
 #include "app/progress.h"
 #include "app/shipped_files.h"
@@ -18,7 +19,12 @@ namespace {
 namespace fs = std::filesystem;
 using namespace gates;
 
-constexpr const char* class_heads = "to .05 | to .15 | to .3 | to .5 | to 1";
+// Of a table whose columns are the classes of roughness and then some more.
+std::string head_of(const std::string& what, const std::vector<std::string>& more) {
+    std::vector<std::string> cells{what, "to .05", "to .15", "to .3", "to .5", "to 1"};
+    cells.insert(cells.end(), more.begin(), more.end());
+    return markdown_head(cells);
+}
 
 std::string text_of(const std::optional<double>& value) {
     return value ? fmt::format("{:.3g}", *value) : "-";
@@ -28,13 +34,6 @@ std::string percent(double share) {
     return fmt::format("{:.1f} %", 100 * share);
 }
 
-// A diffuse lobe has no roughness: all of it is the last class.
-std::string classes_text(const RadianceErrorSums& sums) {
-    std::string out;
-    for (size_t c = 0; c < roughness_classes; ++c) out += fmt::format(" {} |", text_of(sums.n_eff(c)));
-    return out;
-}
-
 // Whole lines, after what was being done.
 void print(const Doing& doing, const std::string& lines) {
     doing.clear();
@@ -42,26 +41,27 @@ void print(const Doing& doing, const std::string& lines) {
     std::fflush(stdout);
 }
 
+// A diffuse lobe has no roughness: all of it is the last class.
 std::string row_of(const std::string& name, const RadianceErrorSums& sums) {
-    return fmt::format("| {} |{} {} | {} | {} | {} |\n", name, classes_text(sums), text_of(sums.n_eff()),
-                       sums.bias() ? percent(*sums.bias()) : "-", sums.fireflies, text_of(sums.flicker()));
+    std::vector<std::string> cells{name};
+    for (size_t c = 0; c < roughness_classes; ++c) cells.push_back(text_of(sums.n_eff(c)));
+    cells.insert(cells.end(), {text_of(sums.n_eff()), sums.bias() ? percent(*sums.bias()) : "-",
+                               fmt::to_string(sums.fireflies), text_of(sums.flicker())});
+    return markdown_row(cells);
 }
 
 bool print_tables(const RadianceBench& bench, const std::set<std::string>& parts, const Doing& doing) {
     if (parts.contains("furnace")) {
         const auto furnace = measure_furnace(bench);
         if (!furnace) return false;
-        std::string row = "| |";
-        for (const double off : *furnace) row += fmt::format(" {:.2g} |", off);
-        print(doing, fmt::format("| white furnace, farthest from 1 by roughness | {} | asked |\n"
-                                 "|---|---|---|---|---|---|---|\n{} <= .001 |\n\n",
-                                 class_heads, row));
+        std::vector<std::string> row{""};
+        for (const double off : *furnace) row.push_back(fmt::format("{:.2g}", off));
+        row.emplace_back("<= .001");
+        print(doing,
+              head_of("white furnace, farthest from 1 by roughness", {"asked"}) + markdown_row(row) + "\n");
     }
     if (parts.contains("still") || parts.contains("moving"))
-        print(doing,
-              fmt::format("| N_eff by roughness | {} | all | bias, asked <= 1 % | fireflies | flicker |\n"
-                          "|---|---|---|---|---|---|---|---|---|---|\n",
-                          class_heads));
+        print(doing, head_of("N_eff by roughness", {"all", "bias, asked <= 1 %", "fireflies", "flicker"}));
     if (parts.contains("still")) {
         const auto still = measure_still(bench);
         if (!still) return false;
@@ -76,11 +76,12 @@ bool print_tables(const RadianceBench& bench, const std::set<std::string>& parts
     if (parts.contains("lag")) {
         const auto left = measure_lamp_off(bench);
         if (!left) return false;
-        std::string head = "\n| frames since the lamp went off |", row = "| of its light is left |";
-        for (const uint32_t after : bench.study.after_off) head += fmt::format(" {} |", after);
-        for (const double share : *left) row += fmt::format(" {} |", percent(share));
-        print(doing,
-              fmt::format("{} asked |\n|---|---|---|---|---|---|---|\n{} <= 10 % after 12 |\n", head, row));
+        std::vector<std::string> head{"frames since the lamp went off"}, row{"of its light is left"};
+        for (const uint32_t after : bench.study.after_off) head.push_back(fmt::to_string(after));
+        for (const double share : *left) row.push_back(percent(share));
+        head.emplace_back("asked");
+        row.emplace_back("<= 10 % after 12");
+        print(doing, "\n" + markdown_head(head) + markdown_row(row));
     }
     return true;
 }

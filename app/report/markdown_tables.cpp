@@ -5,6 +5,7 @@
 #include <fmt/ranges.h>
 
 #include "app/counted.h"
+#include "app/markdown.h"
 #include "app/report/front_figures.h"
 #include "app/report/html.h"
 #include "app/report/plots.h"
@@ -135,18 +136,6 @@ std::string edge(const Results& results) {
 }
 
 }  // namespace
-
-std::string markdown_row(const std::vector<std::string>& cells) {
-    std::string out = "|";
-    for (const std::string& cell : cells) out += " " + cell + " |";
-    return out + "\n";
-}
-
-std::string markdown_head(const std::vector<std::string>& cells) {
-    std::string out = markdown_row(cells) + "|";
-    for (size_t i = 0; i < cells.size(); ++i) out += "---|";
-    return out + "\n";
-}
 
 std::string markdown_tables(const Results& results) {
     const Study& study = results.study;

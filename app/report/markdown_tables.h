@@ -3,7 +3,6 @@
 #pragma once
 
 #include <string>
-#include <vector>
 
 #include "app/report/results.h"
 
@@ -12,8 +11,5 @@ namespace penumbra::report {
 // Speed against error, N_eff after a cut, error and cost in motion, and behind the moving edge: a row per
 // contender. Contenders whose masks are the same to the bit everywhere share a row where only masks count.
 std::string markdown_tables(const Results& results);
-
-std::string markdown_row(const std::vector<std::string>& cells);
-std::string markdown_head(const std::vector<std::string>& cells);  // with the line below it
 
 }  // namespace penumbra::report

@@ -28,7 +28,6 @@ std::unique_ptr<Session> open(const RadianceBench& bench, const RadianceResults&
     options.size = results.study.size;
     options.captures = {results.signal};
     options.jitter = false;  // the truth is that of pixel centres
-    options.optimum = false;
     return Session::open(bench.device, bench.nodes, results.contenders[contender].pipeline, shot, options,
                          diagnostics, warnings);
 }

@@ -6,12 +6,13 @@
 #include <algorithm>
 #include <nlohmann/json.hpp>
 
+#include "app/markdown.h"
+#include "app/metrics_json.h"
 #include "app/or_null.h"
 #include "app/radiance_json.h"
 #include "app/report/assets.h"
 #include "app/report/html.h"
 #include "app/report/images.h"
-#include "app/report/markdown_tables.h"
 #include "app/report/svg.h"
 
 namespace penumbra::report {
@@ -159,8 +160,7 @@ OrderedJson to_json(const RadianceResults& results) {
         }
         const auto over = over_brute_force(results, row);
         one["over_brute_force"] = over ? OrderedJson(over->value) : OrderedJson();
-        one["flip"] = {
-            {"mean", row.flip.mean}, {"weighted_median", row.flip.weighted_median}, {"p95", row.flip.p95}};
+        one["flip"] = flip_json(row.flip);
         one["lit_relmse"] = row.lit_relmse;
         one["image"] = row.image;
         json["results"].push_back(std::move(one));

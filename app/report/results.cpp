@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "app/device_json.h"
+#include "app/metrics_json.h"
 #include "app/or_null.h"
 #include "app/report/front_figures.h"
 
@@ -20,27 +21,6 @@ OrderedJson estimate_json(const std::optional<Estimate>& estimate) {
     const bool interval = estimate->low && estimate->high;
     return {{"median", estimate->median},
             {"ci95", interval ? OrderedJson{*estimate->low, *estimate->high} : OrderedJson()}};
-}
-
-OrderedJson metrics_json(const MaskMetrics& m) {
-    return {{"pixels",
-             {{"receivers", m.receivers}, {"penumbra", m.penumbra}, {"lit", m.lit}, {"umbra", m.umbra}}},
-            {"rmse",
-             {{"all", or_null(m.rmse_all)},
-              {"penumbra", or_null(m.rmse_penumbra)},
-              {"lit", or_null(m.rmse_lit)},
-              {"umbra", or_null(m.rmse_umbra)}}},
-            {"psnr_db", or_null(m.psnr_db)},
-            {"max_abs", or_null(m.max_abs)},
-            {"n_eff",
-             {{"value", or_null(m.n_eff)},
-              {"penumbra_only", or_null(m.n_eff_penumbra)},
-              {"ci95", or_null(m.n_eff_ci95)},
-              {"variance_part", or_null(m.n_variance)},
-              {"bias_part", or_null(m.n_bias)}}},
-            {"leak", or_null(m.leak)},
-            {"acne", or_null(m.acne)},
-            {"nonfinite", m.nonfinite}};
 }
 
 OrderedJson judged_json(const std::vector<Judged>& list) {
@@ -85,10 +65,7 @@ OrderedJson row_json(const Results& results, const Row& row) {
             {"front", front_json(front_figure(results, row))},
             {"ssim", or_null(row.ssim)},
             {"bias_max_9x9", or_null(row.bias_9x9)},
-            {"flip",
-             {{"mean", row.flip ? OrderedJson(row.flip->mean) : OrderedJson()},
-              {"weighted_median", row.flip ? OrderedJson(row.flip->weighted_median) : OrderedJson()},
-              {"p95", row.flip ? OrderedJson(row.flip->p95) : OrderedJson()}}},
+            {"flip", flip_json(row.flip)},
             {"relmse", or_null(row.relmse)},
             {"flicker_rms", or_null(row.flicker)},
             {"after_cut", judged_json(row.after_cut)},

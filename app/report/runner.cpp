@@ -39,7 +39,6 @@ std::unique_ptr<Runner> Runner::open(Device& device, const NodeSet& nodes, const
     options.size = size;
     options.captures = {"visibility"};
     options.jitter = false;  // the truth is that of pixel centres
-    options.optimum = false;
     options.pass_costs = costs;
     auto runner = std::unique_ptr<Runner>(new Runner);
     runner->session_ = Session::open(device, nodes, contender.pipeline, shot, options, diagnostics, warnings);

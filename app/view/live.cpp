@@ -123,7 +123,7 @@ void Live::show(const std::string& resource) {
     }
     StageWish wish = wish_;
     wish.shown = resource;
-    if (resource.empty() || is_host_image(resource) || puts_out(*main_, resource))
+    if (resource.empty() || is_host_image(main_->pipeline, resource) || puts_out(*main_, resource))
         wish_ = wish;  // it is there in any case
     else
         restage(wish);
@@ -273,8 +273,8 @@ std::string Live::shown() const {
 Picture Live::picture() const {
     if (beside_ == Beside::nothing) {
         const std::string name = shown();
-        return picture_of(is_host_image(name) ? host_image(device_, *main_->session, name)
-                                              : captured_image(*main_->session, name));
+        return picture_of(is_captured(*main_->session, name) ? captured_image(*main_->session, name)
+                                                             : host_image(device_, *main_->session, name));
     }
     const PlanarImage image = captured_image(*main_->session, mask_name);
     const std::vector<float>& left = image.planes.front().values;

@@ -35,7 +35,6 @@ std::unique_ptr<Stage> open_stage(const StagePlace& place, const StageWish& wish
         options.captures.push_back(wish.shown);
     options.seed = wish.seed;
     options.light = wish.light;
-    options.optimum = false;
     options.steered = options.hold = true;
     options.kept = &place.scene;
     options.doing = place.told;
@@ -54,7 +53,8 @@ std::vector<std::string> resources_of(const Stage& stage) {
     std::vector<std::string> names;
     for (const PlanPass& pass : stage.session->plan().passes)
         if (pass.kind != PassKind::capture) names.insert(names.end(), pass.writes.begin(), pass.writes.end());
-    for (const char* name : {"depth", "normal", "motion", "albedo"}) names.emplace_back(name);
+    for (const std::string& name : host_image_names())
+        if (is_host_image(stage.pipeline, name)) names.push_back(name);
     return names;
 }
 

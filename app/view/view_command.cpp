@@ -70,7 +70,21 @@ bool may_be_written(const ViewCommandArguments& a, const Job& job) {
     return good;
 }
 
+// Whether all that is said of the picture without a window has a say in it.
+bool fits_headless(const ViewCommandArguments& a) {
+    if (!a.headless.empty() && fs::path(a.headless).extension() != ".png") {
+        fmt::print(stderr, "--headless: {} is written as a PNG: end its name in .png\n", a.headless);
+        return false;
+    }
+    if (a.rays && a.beside != "truth" && a.beside != "error") {
+        fmt::print(stderr, "--rays: are the truth's, which --beside truth or error shows\n");
+        return false;
+    }
+    return true;
+}
+
 std::optional<Job> prepare(const ViewCommandArguments& a) {
+    if (!fits_headless(a)) return std::nullopt;
     Diagnostics diagnostics;
     const auto given = sort_files(a.files, a.view, diagnostics);
     const auto size = parse_size(a.size);
@@ -163,11 +177,11 @@ int run_headless(Device& device, const ViewCommandArguments& a, Live& live, cons
                                   static_cast<float>(job.window.height)};
     const bool judged = live.beside() == Beside::truth || live.beside() == Beside::error;
     live.flight().play(!judged);
-    const uint32_t frames = a.frames ? a.frames : 16;
+    const uint32_t frames = a.frames ? a.frames : 16, most_rays = a.rays.value_or(64);
     Clock::time_point start = Clock::now();
     Picture picture;
     {
-        Progress progress("view", frames + (judged ? a.rays : 0));
+        Progress progress("view", frames + (judged ? most_rays : 0));
         for (uint32_t frame = 0; frame < frames; ++frame) {
             FlightInput input;
             input.seconds = 1 / live.shot().fps;
@@ -180,10 +194,10 @@ int run_headless(Device& device, const ViewCommandArguments& a, Live& live, cons
             progress.step();
         }
         if (frames > 1) panels.frames_per_second = (frames - 1) / seconds_since(start);
-        for (uint32_t rays = 0; judged && rays < a.rays;) {
+        for (uint32_t rays = 0; judged && rays < most_rays;) {
             live.frame({}, 1e9);
             const auto known = live.judgement();
-            for (; rays < (known ? known->rays : 0) && rays < a.rays; ++rays) progress.step();
+            for (; rays < (known ? known->rays : 0) && rays < most_rays; ++rays) progress.step();
         }
     }
     picture = live.picture();
@@ -250,6 +264,12 @@ int view(const ViewCommandArguments& a, Job job) {
         options.surface_extensions = system->surface_extensions();
     }
     Device device(options);
+    const uint32_t most = device_table(handles_of(device)).max_image_extent;
+    if (std::max(job.window.width, job.window.height) > most) {
+        fmt::print(stderr, "--window: {}x{} exceeds the device's largest image, {} per axis\n",
+                   job.window.width, job.window.height, most);
+        return exit_wrong;
+    }
     int code = exit_wrong;
     {
         Live live(device, job.source.shot, job.wish);

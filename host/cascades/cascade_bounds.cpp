@@ -36,18 +36,6 @@ constexpr VkPipelineStageFlags2 drawing = VK_PIPELINE_STAGE_2_DRAW_INDIRECT_BIT 
                                           VK_PIPELINE_STAGE_2_VERTEX_SHADER_BIT |
                                           VK_PIPELINE_STAGE_2_FRAGMENT_SHADER_BIT;
 
-Owned<VkPipeline> make_sort(const Device& device, VkPipelineLayout layout) {
-    const Owned<VkShaderModule> module =
-        make_shader_module(device, host_shader("cascade_small.comp"), "cascade bounds");
-    VkComputePipelineCreateInfo info{VK_STRUCTURE_TYPE_COMPUTE_PIPELINE_CREATE_INFO};
-    info.stage = shader_stage(VK_SHADER_STAGE_COMPUTE_BIT, module.get());
-    info.layout = layout;
-    VkPipeline pipeline = VK_NULL_HANDLE;
-    check(vkCreateComputePipelines(device.get(), VK_NULL_HANDLE, 1, &info, nullptr, &pipeline),
-          "vkCreateComputePipelines", "cascade bounds");
-    return {device.get(), pipeline};
-}
-
 }  // namespace
 
 CascadeBounds::CascadeBounds(Device& device, const GpuImage& slopes)
@@ -77,7 +65,7 @@ CascadeBounds::CascadeBounds(Device& device, const GpuImage& slopes)
     bound_ = make_descriptor_sets(device, bindings, 1, "cascades");
     const VkDescriptorSetLayout sets[] = {bound_.layout.get()};
     layout_ = make_pipeline_layout(device, sets, all_stages, sizeof(CascadeConstants), "cascades");
-    sort_ = make_sort(device, layout_.get());
+    sort_ = make_compute_pipeline(device, host_shader("cascade_small.comp"), layout_.get(), "cascade bounds");
     RasterPipeline pipeline = cascade_pipeline(device, layout_.get(), size_);
     pipeline.vertex = host_shader("cascade_gather.vert");
     pipeline.fragment = host_shader("cascade_gather.frag");

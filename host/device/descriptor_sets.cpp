@@ -19,17 +19,23 @@ void write(const Device& device, VkDescriptorSet set, uint32_t binding, VkDescri
 
 }  // namespace
 
+Owned<VkDescriptorSetLayout> make_set_layout(const Device& device,
+                                             std::span<const VkDescriptorSetLayoutBinding> bindings,
+                                             const char* what) {
+    VkDescriptorSetLayoutCreateInfo layout{VK_STRUCTURE_TYPE_DESCRIPTOR_SET_LAYOUT_CREATE_INFO};
+    layout.bindingCount = static_cast<uint32_t>(bindings.size());
+    layout.pBindings = bindings.data();
+    VkDescriptorSetLayout handle = VK_NULL_HANDLE;
+    check(vkCreateDescriptorSetLayout(device.get(), &layout, nullptr, &handle), "vkCreateDescriptorSetLayout",
+          what);
+    return {device.get(), handle};
+}
+
 DescriptorSets make_descriptor_sets(const Device& device,
                                     std::span<const VkDescriptorSetLayoutBinding> bindings, uint32_t count,
                                     const char* what) {
     DescriptorSets result;
-    VkDescriptorSetLayoutCreateInfo layout{VK_STRUCTURE_TYPE_DESCRIPTOR_SET_LAYOUT_CREATE_INFO};
-    layout.bindingCount = static_cast<uint32_t>(bindings.size());
-    layout.pBindings = bindings.data();
-    VkDescriptorSetLayout layout_handle = VK_NULL_HANDLE;
-    check(vkCreateDescriptorSetLayout(device.get(), &layout, nullptr, &layout_handle),
-          "vkCreateDescriptorSetLayout", what);
-    result.layout = {device.get(), layout_handle};
+    result.layout = make_set_layout(device, bindings, what);
 
     std::vector<VkDescriptorPoolSize> sizes;
     for (const VkDescriptorSetLayoutBinding& binding : bindings)
@@ -42,7 +48,7 @@ DescriptorSets make_descriptor_sets(const Device& device,
     check(vkCreateDescriptorPool(device.get(), &pool, nullptr, &pool_handle), "vkCreateDescriptorPool", what);
     result.pool = {device.get(), pool_handle};
 
-    const std::vector<VkDescriptorSetLayout> layouts(count, layout_handle);
+    const std::vector<VkDescriptorSetLayout> layouts(count, result.layout.get());
     VkDescriptorSetAllocateInfo allocate{VK_STRUCTURE_TYPE_DESCRIPTOR_SET_ALLOCATE_INFO};
     allocate.descriptorPool = pool_handle;
     allocate.descriptorSetCount = count;
@@ -78,7 +84,7 @@ Owned<VkPipelineLayout> make_pipeline_layout(const Device& device,
     VkPipelineLayoutCreateInfo layout{VK_STRUCTURE_TYPE_PIPELINE_LAYOUT_CREATE_INFO};
     layout.setLayoutCount = static_cast<uint32_t>(sets.size());
     layout.pSetLayouts = sets.data();
-    layout.pushConstantRangeCount = 1;
+    layout.pushConstantRangeCount = constant_bytes > 0 ? 1 : 0;
     layout.pPushConstantRanges = &constants;
     VkPipelineLayout handle = VK_NULL_HANDLE;
     check(vkCreatePipelineLayout(device.get(), &layout, nullptr, &handle), "vkCreatePipelineLayout", what);

@@ -16,7 +16,11 @@ struct DescriptorSets {
     std::vector<VkDescriptorSet> sets;
 };
 
-// `count` sets, at least one, nothing written to any yet. `what`: for errors.
+// `what`: for errors.
+Owned<VkDescriptorSetLayout> make_set_layout(const Device& device,
+                                             std::span<const VkDescriptorSetLayoutBinding> bindings,
+                                             const char* what);
+// `count` sets, at least one, nothing written to any yet.
 DescriptorSets make_descriptor_sets(const Device& device,
                                     std::span<const VkDescriptorSetLayoutBinding> bindings, uint32_t count,
                                     const char* what);
@@ -29,7 +33,7 @@ void write_part(const Device& device, VkDescriptorSet set, uint32_t binding, con
 void write_image(const Device& device, VkDescriptorSet set, uint32_t binding, VkSampler sampler,
                  VkImageView view);
 
-// `constant_bytes` of push constants, which `stages` see.
+// `constant_bytes` of push constants, which `stages` see; 0: there are none.
 Owned<VkPipelineLayout> make_pipeline_layout(const Device& device,
                                              std::span<const VkDescriptorSetLayout> sets,
                                              VkShaderStageFlags stages, uint32_t constant_bytes,

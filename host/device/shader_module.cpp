@@ -33,4 +33,19 @@ VkPipelineShaderStageCreateInfo shader_stage(VkShaderStageFlagBits bit, VkShader
     return info;
 }
 
+Owned<VkPipeline> make_compute_pipeline(const Device& device, std::span<const uint32_t> code,
+                                        VkPipelineLayout layout, const char* what,
+                                        const VkSpecializationInfo* constants, VkPipelineCreateFlags flags) {
+    const Owned<VkShaderModule> module = make_shader_module(device, code, what);
+    VkComputePipelineCreateInfo info{VK_STRUCTURE_TYPE_COMPUTE_PIPELINE_CREATE_INFO};
+    info.flags = flags;
+    info.stage = shader_stage(VK_SHADER_STAGE_COMPUTE_BIT, module.get());
+    info.stage.pSpecializationInfo = constants;
+    info.layout = layout;
+    VkPipeline pipeline = VK_NULL_HANDLE;
+    check(vkCreateComputePipelines(device.get(), VK_NULL_HANDLE, 1, &info, nullptr, &pipeline),
+          "vkCreateComputePipelines", what);
+    return {device.get(), pipeline};
+}
+
 }  // namespace penumbra

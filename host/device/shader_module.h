@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// The host's graphics shaders, compiled and embedded by the build.
+// The host's shaders, compiled and embedded by the build, and compute pipelines of any.
 #pragma once
 
 #include <span>
@@ -16,5 +16,11 @@ Owned<VkShaderModule> make_shader_module(const Device& device, std::span<const u
                                          const char* what);
 // Entry point main.
 VkPipelineShaderStageCreateInfo shader_stage(VkShaderStageFlagBits bit, VkShaderModule module);
+
+// Of one shader with the entry point main. `constants`: its specialisation's.
+Owned<VkPipeline> make_compute_pipeline(const Device& device, std::span<const uint32_t> code,
+                                        VkPipelineLayout layout, const char* what,
+                                        const VkSpecializationInfo* constants = nullptr,
+                                        VkPipelineCreateFlags flags = 0);
 
 }  // namespace penumbra

@@ -28,6 +28,8 @@ namespace {
 
 struct Reading {
     uint64_t limit = 0, bytes = 0;
+    std::vector<uint64_t> lengths;  // of the files that are buffers, which are the first ones that are read
+    size_t next_length = 0;
     std::vector<std::vector<std::byte>> loose_images;
 };
 
@@ -46,11 +48,13 @@ std::string as_it_is(const std::string& name, void*) {
 bool read_whole(std::vector<unsigned char>* out, std::string* error, const std::string& name, void* data) {
     Reading& reading = *static_cast<Reading*>(data);
     std::error_code failure;
-    const uint64_t size = is_file(name, nullptr) ? std::filesystem::file_size(name, failure) : 0;
+    uint64_t size = is_file(name, nullptr) ? std::filesystem::file_size(name, failure) : 0;
     if (!is_file(name, nullptr) || failure) {
         *error += "no regular file";
         return false;
     }
+    if (reading.next_length < reading.lengths.size())
+        size = std::min(size, reading.lengths[reading.next_length++]);
     if (size > reading.limit - reading.bytes) {
         *error += over_input_limit();
         return false;
@@ -243,7 +247,9 @@ std::optional<GltfFiles> read_gltf_files(const std::filesystem::path& path, Diag
     if (is_nested_too_deep(document)) return refuse("its JSON is nested more than 256 levels deep");
     if (const std::string version = old_version(bytes); !version.empty())
         return refuse(fmt::format("is glTF {}; this program reads glTF 2.0", version));
-    make_readable(bytes);
+    ReadableGltf readable = make_readable(bytes);
+    if (!readable.wrong.empty()) return refuse(readable.wrong);
+    reading.lengths = std::move(readable.lengths);
 
     GltfFiles files;
     tinygltf::TinyGLTF loader;

@@ -250,7 +250,9 @@ std::optional<Part> read_primitive(const tinygltf::Model& file, AccessorReader& 
             std::ranges::any_of(part.colors, is_clear))
             tell("the alpha of vertex colours is ignored");
     }
-    if (data.has("JOINTS_0") && data.has("WEIGHTS_0")) {
+    if (data.has("JOINTS_0") != data.has("WEIGHTS_0"))
+        throw GltfError("of JOINTS_0 and WEIGHTS_0 it has one, which says nothing without the other");
+    if (data.has("JOINTS_0")) {
         if (data.has("JOINTS_1")) tell("of more than four joints per vertex the first four are used");
         budget.spend(kept * (2 * sizeof(glm::vec4) + 8));
         part.weights = read("WEIGHTS_0", glm::vec4());

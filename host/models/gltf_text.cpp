@@ -5,10 +5,13 @@
 #include <cstdint>
 #include <cstring>
 #include <iterator>
+#include <limits>
 #include <nlohmann/json.hpp>
 #include <string_view>
+#include <utility>
 
 #include "host/json_dump.h"
+#include "host/models/gltf_members.h"
 
 namespace penumbra {
 namespace {
@@ -57,23 +60,63 @@ size_t unknown_data(std::string_view uri) {
     return std::ranges::find(known, type) == std::end(known) ? head.size() : 0;
 }
 
-// Nothing where nothing is to be changed.
-std::string patched(std::string_view text) {
-    bool odd = text.find(meshopt) != text.npos || text.find(draco) != text.npos;
-    for (size_t at = text.find("\"data:"); at != text.npos && !odd; at = text.find("\"data:", at + 1))
-        odd = unknown_data(text.substr(at + 1)) > 0;
-    if (!odd) return "";
+// Null where there is none.
+std::string* uri_of(Json& item) {
+    const bool has = item.is_object() && item.contains("uri") && item["uri"].is_string();
+    return has ? item["uri"].get_ptr<std::string*>() : nullptr;
+}
+
+// tinygltf decodes a URI as if it came from a form, where a plus stands for a space.
+bool keep_pluses(std::string& uri) {
+    if (uri.find('+') == uri.npos) return false;
+    std::string kept;
+    for (const char c : uri) {
+        if (c == '+')
+            kept += "%2B";
+        else
+            kept += c;
+    }
+    uri = std::move(kept);
+    return true;
+}
+
+// Base64 of no more than `bytes` bytes.
+bool cut_data(std::string& uri, uint64_t bytes) {
+    const size_t start = uri.find(',') + 1;
+    if (start == 0 || bytes >= uri.size()) return false;
+    const size_t rest = bytes % 3, end = start + bytes / 3 * 4 + (rest ? rest + 1 : 0);
+    if (end >= uri.size() || uri[end] == '=') return false;
+    uri.resize(end);
+    if (rest) uri.append(3 - rest, '=');
+    return true;
+}
+
+// Nothing where nothing is to be changed; `made` as make_readable() says.
+std::string patched(std::string_view text, ReadableGltf& made) {
     Json json = Json::parse(text, nullptr, false);
+    made.wrong = wrong_member(json);
     bool changed = false;
     for (const char* list : {"buffers", "images"})
         for (Json* item : items(json, list)) {
-            if (!item->is_object() || !item->contains("uri") || !(*item)["uri"].is_string()) continue;
-            std::string& uri = (*item)["uri"].get_ref<std::string&>();
-            if (const size_t head = unknown_data(uri)) {
-                uri.replace(0, head, octets);
+            std::string* const uri = uri_of(*item);
+            if (!uri) continue;
+            if (const size_t head = unknown_data(*uri)) {
+                uri->replace(0, head, octets);
                 changed = true;
             }
+            if (!uri->starts_with("data:")) changed = keep_pluses(*uri) || changed;
         }
+    for (Json* buffer : items(json, "buffers")) {
+        std::string* const uri = uri_of(*buffer);
+        if (!uri || uri->empty() || !buffer->contains("byteLength")) continue;
+        const Json& length = (*buffer)["byteLength"];
+        const uint64_t bytes =
+            length.is_number_unsigned() ? length.get<uint64_t>() : std::numeric_limits<uint64_t>::max();
+        if (uri->starts_with("data:"))
+            changed = cut_data(*uri, bytes) || changed;
+        else
+            made.lengths.push_back(bytes);
+    }
     for (Json* buffer : items(json, "buffers")) {
         if (!has_extension(*buffer, meshopt) || buffer->contains("uri")) continue;
         (*buffer)["uri"] = std::string(octets) + "AA==";
@@ -95,17 +138,19 @@ std::string_view document_of(std::string_view file) {
     return file.substr(glb_head_bytes, length);
 }
 
-void make_readable(std::vector<unsigned char>& bytes) {
+ReadableGltf make_readable(std::vector<unsigned char>& bytes) {
+    ReadableGltf made;
     const std::string_view all(reinterpret_cast<const char*>(bytes.data()), bytes.size());
     const bool binary = bytes.size() >= glb_header + chunk_header && word(bytes, 0) == glb_magic;
     if (!binary) {
-        if (const std::string text = patched(all); !text.empty()) bytes.assign(text.begin(), text.end());
-        return;
+        if (const std::string text = patched(all, made); !text.empty())
+            bytes.assign(text.begin(), text.end());
+        return made;
     }
     const size_t start = glb_header + chunk_header, length = word(bytes, glb_header);
-    if (word(bytes, glb_header + 4) != json_chunk || length > bytes.size() - start) return;
-    std::string text = patched(all.substr(start, length));
-    if (text.empty()) return;
+    if (word(bytes, glb_header + 4) != json_chunk || length > bytes.size() - start) return made;
+    std::string text = patched(all.substr(start, length), made);
+    if (text.empty()) return made;
     text.resize((text.size() + 3) / 4 * 4, ' ');
     std::vector<unsigned char> out(bytes.begin(), bytes.begin() + static_cast<ptrdiff_t>(start));
     out.insert(out.end(), text.begin(), text.end());
@@ -113,6 +158,7 @@ void make_readable(std::vector<unsigned char>& bytes) {
     const uint32_t sizes[2] = {static_cast<uint32_t>(out.size()), static_cast<uint32_t>(text.size())};
     std::memcpy(out.data() + 8, sizes, sizeof sizes);
     bytes = std::move(out);
+    return made;
 }
 
 std::string old_version(const std::vector<unsigned char>& bytes) {

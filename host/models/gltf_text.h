@@ -25,9 +25,15 @@ std::string_view document_of(std::string_view file);
 
 // Makes of a .gltf's or .glb's bytes what tinygltf takes: with a byte of data in every buffer that
 // EXT_meshopt_compression has as a place for decoded bytes alone, without the indices of primitives that
-// Draco holds, whose accessors have no data, and with a type of data that it knows in data URIs. Bytes that
-// are no glTF stay as they are.
-void make_readable(std::vector<unsigned char>& bytes);
+// Draco holds, whose accessors have no data, and with a type of data that it knows in data URIs, which have
+// no more bytes than their buffer. Bytes that are no glTF stay as they are. Returns how many bytes there are
+// of each buffer that is a file of its own, in the order in which tinygltf reads them: such a file may be
+// longer, which it does not take, either. And what wrong_member() says of its JSON.
+struct ReadableGltf {
+    std::vector<uint64_t> lengths;
+    std::string wrong;
+};
+ReadableGltf make_readable(std::vector<unsigned char>& bytes);
 
 // "1.0" of a file of that version, whose scenes and meshes are objects instead of lists; nothing where it may
 // be 2.0.

@@ -82,12 +82,30 @@ std::optional<glm::dvec3> axis(const glm::dmat4& world, int column) {
     return v / length;
 }
 
+uint32_t moments_of(const Scene& scene, uint32_t frames) {
+    return scene.animated() ? frames : 1;
+}
+
+// Of candidates the first that has a key in any frame, or their number. There may be as many as nodes, all of
+// which are put in place at once.
+template <class HasKey>
+size_t first_with_key(const Scene& scene, const std::vector<int>& candidates, uint32_t frames,
+                      const HasKey& has_key) {
+    size_t first = candidates.size();
+    for (uint32_t frame = 0; first > 0 && frame < moments_of(scene, frames); ++frame) {
+        const std::vector<glm::dmat4> transforms = scene.transforms(frame);
+        for (size_t i = 0; i < first; ++i)
+            if (has_key(transforms[static_cast<size_t>(candidates[i])])) first = i;
+    }
+    return first;
+}
+
 // What `key` makes of a node's transform in each frame, or nothing; without the keys that say what both of
 // their neighbours say.
 template <class Key>
 OrderedJson keys_of(const Scene& scene, int node, uint32_t frames, const Key& key) {
     std::vector<std::pair<uint32_t, OrderedJson>> all;
-    for (uint32_t frame = 0; frame < (scene.animated() ? frames : 1); ++frame)
+    for (uint32_t frame = 0; frame < moments_of(scene, frames); ++frame)
         if (OrderedJson made = key(scene.transforms(frame)[static_cast<size_t>(node)]); !made.is_null())
             all.emplace_back(frame, std::move(made));
     OrderedJson keys = OrderedJson::array();
@@ -101,16 +119,24 @@ OrderedJson keys_of(const Scene& scene, int node, uint32_t frames, const Key& ke
     return keys;
 }
 
+// Which way is back and which up, of a node that looks somewhere.
+std::optional<std::array<glm::dvec3, 2>> view_axes(const glm::dmat4& world) {
+    const auto back = axis(world, 2), up = axis(world, 1);
+    if (!back || !up || !(glm::length(glm::cross(*back, *up)) > 1e-6)) return std::nullopt;
+    return std::array{*back, *up};
+}
+
 OrderedJson view_keys(const Scene& scene, const ModelCamera& camera, uint32_t frames, double size) {
     // In a large world, too, no coarser than what stands right before the camera.
     const double fine = std::min(size, 100 * camera.near);
     return keys_of(scene, camera.node, frames, [&](const glm::dmat4& world) -> OrderedJson {
-        const auto back = axis(world, 2), up = axis(world, 1);
-        if (!back || !up || !(glm::length(glm::cross(*back, *up)) > 1e-6)) return nullptr;
+        const auto axes = view_axes(world);
+        if (!axes) return nullptr;
+        const auto& [back, up] = *axes;
         const glm::dvec3 position(world[3]);
         return {{"position", rounded(position, fine)},
-                {"target", rounded(position - 0.1 * size * *back, fine)},
-                {"up", rounded(*up, 1)}};
+                {"target", rounded(position - 0.1 * size * back, fine)},
+                {"up", rounded(up, 1)}};
     });
 }
 
@@ -136,14 +162,18 @@ OrderedJson framing_camera(const std::array<glm::dvec3, 2>& bounds, double size)
 // The file's first camera that looks somewhere, else one that sees all.
 OrderedJson camera_of(const Scene& scene, uint32_t frames, double size, ModelShot& out) {
     const Model& model = scene.model();
-    for (const ModelCamera& camera : model.cameras) {
-        const OrderedJson keys = view_keys(scene, camera, frames, size);
+    std::vector<int> nodes;
+    for (const ModelCamera& camera : model.cameras) nodes.push_back(camera.node);
+    const size_t first =
+        first_with_key(scene, nodes, frames, [](const glm::dmat4& world) { return view_axes(world); });
+    for (size_t i = 0; i < nodes.size(); ++i) {
+        const ModelCamera& camera = model.cameras[i];
         const std::string& name = model.nodes[static_cast<size_t>(camera.node)].name;
-        if (!keys.empty()) {
+        if (i == first) {
             out.camera = name.empty() ? "unnamed" : name;
             return {{"vertical_fov_deg", rounded(camera.vertical_fov_deg, 100)},
                     {"near", rounded(camera.near, camera.near)},
-                    {"keys", keys}};
+                    {"keys", view_keys(scene, camera, frames, size)}};
         }
         out.warnings.emplace("camera", fmt::format("the camera of node \"{}\" is not looked through: its "
                                                    "axes have no length",
@@ -158,16 +188,19 @@ OrderedJson sun_of(const Scene& scene, uint32_t frames, ModelShot& out) {
                             0.15);  // three sides of a box that are seen are of three brightnesses
     OrderedJson keys;
     const Model& model = scene.model();
-    for (const int node : model.suns) {
-        keys = sun_keys(scene, node, frames);
+    const size_t first =
+        first_with_key(scene, model.suns, frames, [](const glm::dmat4& world) { return axis(world, 2); });
+    for (size_t i = 0; i < model.suns.size(); ++i) {
+        const int node = model.suns[i];
         const std::string& name = model.nodes[static_cast<size_t>(node)].name;
-        if (keys.empty()) {
+        if (i != first) {
             out.warnings.emplace("sun",
                                  fmt::format("the directional light of node \"{}\" is not the sun: its "
                                              "axes have no length",
                                              name));
             continue;
         }
+        keys = sun_keys(scene, node, frames);
         if (model.suns.size() > 1)
             out.warnings.emplace("sun", fmt::format("of {} directional lights that of node \"{}\" is the sun",
                                                     model.suns.size(), name));
@@ -263,8 +296,13 @@ std::string seen_from(const std::filesystem::path& file, const std::filesystem::
     namespace fs = std::filesystem;
     std::error_code none;
     const fs::path from = fs::absolute(file);
-    // Of a relative folder that is still to be made, proximate() would not know where it lies.
-    const fs::path relative = fs::proximate(from, fs::absolute(folder.empty() ? "." : folder), none);
+    // Of a relative folder that is still to be made, weakly_canonical() would not know where it lies. A model
+    // that is a link has its other files beside the link.
+    const auto resolved = [&](const fs::path& path) {
+        return fs::weakly_canonical(fs::absolute(path), none);
+    };
+    const fs::path relative = (resolved(from.parent_path()) / from.filename())
+                                  .lexically_relative(resolved(folder.empty() ? "." : folder));
     return (relative.empty() ? from : relative).generic_string();
 }
 

@@ -122,6 +122,9 @@ struct Shot {
     uint32_t seed = 0;
 };
 
+// A file as a shot, or another JSON, that stands in `folder` (empty: the current one) names it.
+std::filesystem::path from_folder(const std::filesystem::path& folder, const std::string& file);
+
 // A file's name without ".shot.json".
 std::string shot_name(const std::filesystem::path& file);
 

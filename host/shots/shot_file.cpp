@@ -16,9 +16,8 @@ namespace penumbra {
 
 namespace {
 
-// Without "..": a shot may be read before its folder is there.
 std::filesystem::path from_shot(const Shot& shot, const std::string& file) {
-    return (shot.file.parent_path() / file).lexically_normal();
+    return from_folder(shot.file.parent_path(), file);
 }
 
 void read_model(Reader& reader, const Json& json, const std::string& path, Shot& shot) {
@@ -315,6 +314,20 @@ std::optional<Shot> shot_of(const std::optional<Json>& root, const std::filesyst
 }
 
 }  // namespace
+
+// Without ".." where that is the same file: a shot may be read before its folder is there. Behind a folder
+// that is a link, ".." leads out of what it links to.
+std::filesystem::path from_folder(const std::filesystem::path& folder, const std::string& file) {
+    namespace fs = std::filesystem;
+    std::error_code none;
+    fs::path there = folder / file;
+    const fs::path shortest = there.lexically_normal();
+    if (!folder.empty() && !fs::exists(folder, none))
+        there = (fs::weakly_canonical(fs::absolute(folder, none), none) / file).lexically_normal();
+    const bool same = there == shortest || fs::equivalent(there, shortest, none) ||
+                      (!fs::exists(there, none) && !fs::exists(shortest, none));
+    return same ? shortest : there;
+}
 
 std::string shot_name(const std::filesystem::path& file) {
     std::string name = file.filename().string();

@@ -2,9 +2,10 @@
 /* Penumbra for C (C11) and for whatever calls C: plans, programs and views behind opaque handles. What things
    mean stands in the C++ headers of the same names (plan.h, device.h, view.h); here is what C adds.
 
-   Every struct begins with its size, which the caller sets: sizeof(struct) of the header that it was compiled
-   with. Members are only ever added at the end; those that an older caller does not have are taken as 0.
-   Arrays are of the caller's structs: all elements have the size that the first one says.
+   Every struct but penumbra_camera, which lies in another, begins with its size, which the caller sets:
+   sizeof(struct) of the header that it was compiled with. Members are only ever added at the end; those that
+   an older caller does not have are taken as 0. Arrays are of the caller's structs: all elements have the
+   size that the first one says.
 
    Functions that can fail return a penumbra_code and fill in `error`, where they take one, which may be
    null. Nothing throws across this header. Different objects may be used from different threads at once,
@@ -189,18 +190,24 @@ typedef struct penumbra_slot {
     const char* const* accepted;
     uint32_t accepted_count;
     VkBool32 layered; /* images: a VK_IMAGE_VIEW_TYPE_2D_ARRAY, be it of one layer */
+    uint32_t levels;  /* images: mip levels, of an output that is a chain */
+    /* Images: what the caller's is to be made for; of an output of the view's own, what it was made for. */
+    VkImageUsageFlags usage;
 } penumbra_slot;
 
 typedef struct penumbra_plan_info {
     uint32_t struct_size;
     VkBool32 jitter;  /* the caller is to jitter: it said that it does, or a node asks it to */
     uint32_t settles; /* UNCHANGED frames after which no output gets better; UINT32_MAX: never */
+    VkBool32 camera;  /* penumbra_frame.camera must be given: a node asks for it */
 } penumbra_plan_info;
 
 typedef struct penumbra_pass {
     uint32_t struct_size;
     uint32_t param_count;
-    const char *node, *type; /* of a resource that is copied out: its name, and "capture" */
+    const char *node, *type;     /* of a resource that is copied out: its name, and "capture" */
+    const char* const* counters; /* names of penumbra_pass_statistics.counters */
+    uint32_t counter_count;
 } penumbra_pass;
 
 typedef enum penumbra_param_type {
@@ -257,6 +264,10 @@ PENUMBRA_API penumbra_code penumbra_plan_pass(const penumbra_plan* plan, uint32_
 /* Those that a view may change; a declaration's constant ones are a request's settings alone. */
 PENUMBRA_API penumbra_code penumbra_plan_param(const penumbra_plan* plan, uint32_t pass, uint32_t index,
                                                penumbra_param* param, penumbra_error* error);
+/* Members of families of instances that have nodes, as lamps: whom penumbra_view_set_awake() names. */
+PENUMBRA_API uint32_t penumbra_plan_member_count(const penumbra_plan* plan);
+PENUMBRA_API penumbra_code penumbra_plan_member(const penumbra_plan* plan, uint32_t index,
+                                                const char** member, penumbra_error* error);
 PENUMBRA_API uint32_t penumbra_plan_requirement_count(const penumbra_plan* plan);
 PENUMBRA_API penumbra_code penumbra_plan_requirement(const penumbra_plan* plan, uint32_t index,
                                                      penumbra_requirement* requirement,
@@ -328,7 +339,7 @@ typedef struct penumbra_camera {
 
 /* DEPTH_AT_CENTRES: computed at each pixel's very centre; a rasteriser interpolates it for a point nearby.
    UNCHANGED: but for the jitter and the index, all that the caller brings is as it was in the frame
-   recorded before. */
+   recorded before, so that camera and previous are one. */
 enum {
     PENUMBRA_FRAME_RESET = 1,
     PENUMBRA_FRAME_ORTHOGRAPHIC = 2,
@@ -401,11 +412,13 @@ PENUMBRA_API penumbra_code penumbra_view_set_awake(penumbra_view* view, const ch
 
 typedef struct penumbra_output {
     uint32_t struct_size;
-    VkImage image; /* in VK_IMAGE_LAYOUT_GENERAL */
+    VkImage image; /* of what the caller brings, null without a handover */
     VkImageView view;
     VkBuffer buffer;
     VkBufferView texels;
     VkDeviceSize bytes, offset; /* of the buffer what is bound; VK_WHOLE_SIZE: to its end */
+    VkImageLayout layout;       /* of the image: GENERAL, or the one that the caller brings it in */
+    VkAccelerationStructureKHR structure;
 } penumbra_output;
 
 /* What a port of the caller's node is bound to in this frame. */
@@ -436,7 +449,8 @@ PENUMBRA_API penumbra_code penumbra_view_completed(const penumbra_view* view, ui
                                                    uint32_t* count, penumbra_pass_statistics* passes,
                                                    penumbra_error* error);
 /* Why the frame that was begun last had no history: "none" (it had), "first_frame", "asked", or
-   "not_handed_on" or "woken", of which `resource` says what; the view's text. `resource` may be null. */
+   "not_handed_on" or "woken", of which `resource` says what (else it is empty); the view's text. `resource`
+   may be null. */
 PENUMBRA_API const char* penumbra_view_reset_reason(const penumbra_view* view, const char** resource);
 /* Whether enough UNCHANGED frames have been recorded for the plan's histories to settle: until something
    changes, another frame would not improve the outputs, and none need be recorded. */

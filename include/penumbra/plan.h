@@ -362,6 +362,7 @@ struct Plan {
     std::array<Dependency, 2> end;      // makes the outputs visible to the host
     std::vector<std::string> counters;  // "node.counter", in the counter buffer's order
     bool jitter = false;                // the host is to jitter (Target::jitters)
+    bool camera = false;                // the host is to say what its camera is: a node asks for it
     // Number of frames, alike but for jitter and index, after which one more improves no output: histories
     // settle one after another. Empty: one of them never does.
     std::optional<uint32_t> settles;

@@ -27,7 +27,9 @@ namespace penumbra PENUMBRA_API {
 struct Handover {
     VkImage image = VK_NULL_HANDLE;  // whose view is bound; null for buffers
     // The host's accesses before the frame and after it. Its writes become visible to the frame's reads;
-    // its next accesses wait for what the frame has done. Stages of 0: the host orders that itself.
+    // its next accesses wait for what the frame has done. Stages of 0: the host orders that itself, by
+    // barriers into the frame's stages and accesses (HostSlot::use) and out of them, between which a layout
+    // changes.
     VkPipelineStageFlags2 stages_before = 0, stages_after = 0;
     VkAccessFlags2 access_before = 0, access_after = 0;
     // In between it is in SlotBinding::layout; what the frame writes in VK_IMAGE_LAYOUT_GENERAL.
@@ -35,8 +37,9 @@ struct Handover {
     VkImageLayout layout_after = VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL;
     // Queue family ownership, if it is not the frame's: acquired before, released after. The matching half
     // of each transfer is the host's, with the same two layouts; the stages and accesses above are that
-    // queue's own then, and a semaphore of the host's orders the two. What the frame writes is not acquired
-    // and need not be released before: its old contents are lost.
+    // queue's own then, and a semaphore of the host's orders the two, waited for at HostSlot::use's stages
+    // or more. What the frame writes is not acquired and need not be released before: its old contents are
+    // lost.
     uint32_t family_before = VK_QUEUE_FAMILY_IGNORED, family_after = VK_QUEUE_FAMILY_IGNORED;
     // 0: those of the slot's format. Of an image that has depth and stencil, whose depth alone is bound, they
     // are to be said: VK_IMAGE_ASPECT_DEPTH_BIT | VK_IMAGE_ASPECT_STENCIL_BIT.
@@ -88,8 +91,9 @@ struct ViewOptions {
     // name, every history that both plans have alike, but of members that slept in its last frame, and clears
     // the others. If one of those must not begin cleared, the first frame is a reset frame. That view stays
     // until this frame has completed; both plans are compiled with hand_on_history. What follows the frame's
-    // size may have another largest size here, if that view's last frame fits this plan. A memo that is kept
-    // in place is never copied: it may depend on the other plan's parameters.
+    // size may have another largest size here, if that view's last frame fits this plan. Nobody records that
+    // view while the first frame is begun here, or after it. A memo that is kept in place is never copied:
+    // it may depend on the other plan's parameters.
     const View* heir_of = nullptr;
     void* user = nullptr;  // for host nodes
 };

@@ -1,17 +1,18 @@
 // SPDX-License-Identifier: MIT
-// What an average over the last frame's light is worth under this frame's (sun_change.glsl, whose disc this is of any shape): of its rays those
-// are still valid that went where there is light now. The last frame's light, as the receiver sees it, is projected onto this one's plane.
+// What an average over the last frame's light is worth under this frame's (sun_change.glsl, whose disc this is of any shape). The last
+// frame's light, as the receiver sees it, is projected onto this one's plane.
 //
 // Includer has common/light_axes.glsl and common/sun_change.glsl.
 
 // A way from the receiver to where it meets the light's plane, along its axes. `at`: the receiver; both in the light's coordinates.
 vec2 on_light(vec3 at, vec3 way) { return at.xy - way.xy * (at.z / way.z); }
 
+// Of the longer of two sides, of which one goes from -1 to 1.
 float shared_side(float middle, float half_width) {
-    return 0.5 * max(min(1.0, middle + half_width) - max(-1.0, middle - half_width), 0.0);
+    return 0.5 * max(min(1.0, middle + half_width) - max(-1.0, middle - half_width), 0.0) / max(half_width, 1.0);
 }
 
-// Share of this frame's light where the last frame's was, too, seen from `p`; 0 where there was none.
+// Share of the larger of both frames' lights where both are, seen from `p`; 0 where there was none.
 float light_share(Light now, Light before, vec3 p) {
     if (before.on == 0u || before.kind != now.kind) return 0.0;
     const vec3 from_now = p - now.centre, from_before = p - before.centre;

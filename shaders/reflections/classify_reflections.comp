@@ -64,7 +64,7 @@ void main() {
     if (rays && is_base(p)) {
         const bool asks_beside = traces[lane ^ 1u] == 2u, asks_below = traces[lane ^ 8u] == 2u, asks_across = traces[lane ^ 9u] == 2u;
         flags = (asks_beside ? COPY_BESIDE : 0u);
-        if (SAMPLES_PER_QUAD == 1u) flags |= (asks_below ? COPY_BELOW : 0u) | (asks_across ? COPY_ACROSS : 0u);
+        if (SAMPLES_PER_QUAD != 2u) flags |= (asks_below ? COPY_BELOW : 0u) | (asks_across ? COPY_ACROSS : 0u);
     }
     uint place = 0u;
     if (rays) place = atomicAdd(ray_count, 1u);

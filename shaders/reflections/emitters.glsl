@@ -35,12 +35,14 @@ vec3 aimed_direction(Emitter emitter, vec3 x, vec2 u) {
     return normalize(sun_frame(to * inversesqrt(d2)) * vec3(across * vec2(cos(angle), sin(angle)), 1.0 - height));
 }
 
-// Whether the ray from x along a unit vector meets its sphere. Never from within.
-bool lies_in_cone(Emitter emitter, vec3 x, vec3 l) {
+// Whether the ray from x along a unit vector meets its sphere, or passes it by so many metres. Never from within.
+bool lies_in_cone(Emitter emitter, vec3 x, vec3 l, float beside_m) {
     const vec3 to = emitter.center - x, off = cross(l, to);
-    const float radius2 = emitter.radius * emitter.radius;
-    return dot(to, to) > radius2 && dot(l, to) > 0.0 && dot(off, off) < radius2;
+    const float reach = emitter.radius + beside_m;
+    return dot(to, to) > emitter.radius * emitter.radius && dot(l, to) > 0.0 && dot(off, off) < reach * reach;
 }
+
+bool lies_in_cone(Emitter emitter, vec3 x, vec3 l) { return lies_in_cone(emitter, x, l, 0.0); }
 
 // Per steradian within the cone.
 float cone_density(Emitter emitter, vec3 x) {

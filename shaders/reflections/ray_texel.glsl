@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: MIT
 // A pixel's ray as images keep it. rgba16f: radiance, and the distance in metres, negative where the ray hit something that
 // moves; 65504 (the largest half) is a miss, or a hit as far, 0
-// says that the pixel has no ray in this frame. r32ui: the direction, octahedral (pack_direction() of
-// common/receiver_normal.glsl).
+// says that the pixel has no ray in this frame. r32ui: the direction, and what it hit (ray_word.glsl).
 
 const float NO_HIT_M = 65504.0;
 
@@ -22,5 +21,6 @@ bool was_aimed(vec4 ray) { return ray.g < 0.0; }
 bool went_below(vec4 ray) { return ray.b < 0.0; }
 vec3 radiance_of(vec4 ray) { return mix(abs(ray.rgb), vec3(0.0), equal(ray.rgb, vec3(-MARKED_BLACK))); }
 
-bool has_ray(vec4 ray) { return ray.w != 0.0; }
+// What a host traced and is no number would be all that a pixel remembers, and its neighbours.
+bool has_ray(vec4 ray) { return ray.w != 0.0 && dot(abs(ray), vec4(1.0)) < 3e5; }
 bool missed(vec4 ray) { return !(abs(ray.w) < NO_HIT_M); }

@@ -7,6 +7,7 @@
 
 const float LEAST_WIDE = 0.15;  // roughness: a direction is then off by less than a tenth of the lobe's alpha
 const uint DIRECTION_BITS = 10u, NORMAL_BITS = 6u;
+const float OFF = 1e-4, OFF_WIDE = 0.0042;  // radians by which a direction may be off, of 16 bits and of DIRECTION_BITS
 
 struct RayWord {
     vec3 direction;

@@ -88,7 +88,9 @@ vec2 at_found(Source s, Found f) {
     const vec3 to = f.at - s.x;
     const float d2 = max(dot(to, to), 1e-10);
     const vec3 direction = to * inversesqrt(d2);
-    return in_direction(s, direction) * (f.m * f.m * cosine_at(f.normal, direction) / (d2 * f.cosine));
+    // A small body's cone is narrower than the digits of the directions in which others found it.
+    const float off_m = (f.normal == vec3(0.0) ? OFF : OFF_WIDE) * f.m;
+    return in_direction(s, direction, HAS_AIMED && lies_in_cone(s.emitter, s.x, direction, off_m)) * (f.m * f.m * cosine_at(f.normal, direction) / (d2 * f.cosine));
 }
 
 struct Sums {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Every input of the corpora, those among them that once broke something, and changes of each; the fuzzers
-// themselves take other builds (docs/reliability.md).
+// Every input of the corpora, those among them that once broke something, what ships, and changes of each;
+// the fuzzers themselves take other builds (docs/reliability.md).
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -18,12 +18,18 @@ namespace fs = std::filesystem;
 
 std::vector<std::pair<std::string, std::string>> inputs_of(std::string_view target) {
     std::vector<std::pair<std::string, std::string>> inputs;  // name, bytes
-    for (const auto& entry :
-         fs::directory_iterator(fs::path(PENUMBRA_SOURCE_DIR "/tests/fuzz/corpus") / target)) {
-        std::ifstream stream(entry.path(), std::ios::binary);
-        inputs.emplace_back(entry.path().filename().string(),
-                            std::string(std::istreambuf_iterator<char>(stream), {}));
-    }
+    const auto add = [&](const fs::path& folder, std::string_view ending) {
+        if (!fs::exists(PENUMBRA_SOURCE_DIR / folder)) return;
+        for (const auto& entry : fs::directory_iterator(PENUMBRA_SOURCE_DIR / folder)) {
+            if (!entry.path().string().ends_with(ending)) continue;
+            std::ifstream stream(entry.path(), std::ios::binary);
+            inputs.emplace_back((folder / entry.path().filename()).string(),
+                                std::string(std::istreambuf_iterator<char>(stream), {}));
+        }
+    };
+    add(fs::path("tests/fuzz/corpus") / target, "");
+    if (target == "pipeline") add("pipelines", ".json");
+    if (target == "shot") add("scenes", ".shot.json");
     std::ranges::sort(inputs);
     return inputs;
 }

@@ -8,32 +8,16 @@
 #include <utility>
 
 #include "host/cascades/cascade_fit.h"
-#include "tests/hard_cases/hard_cases.h"
+#include "tests/cascade_run.h"
 
 namespace penumbra::test {
 namespace {
 
-const char* const ours_pipeline = "../tests/pipelines/cascades_raw";
-const char* const published_pipeline = "../tests/pipelines/taps_raw";
-
 // ---- scenes
 
-Shot shadow_shot(const char* key, const std::vector<Placed>& shapes, std::array<uint32_t, 2> size) {
-    Shot shot = scene_shot(key, shapes, size);
-    shot.camera = {{0, {0.5, 1.6, 4}, {0, 0.4, 0}, {0, 1, 0}}};
-    shot.sun = {{0, {0.5, 0.8, 0.3}}};
-    shot.sun_angular_radius_deg = 0.27;
-    return shot;
-}
-
-// Wires of 6 mm.
-Shot wires() {
-    Shot shot = shadow_shot("cascade_wires",
-                            {{"floor", ground(8, 8, 4, 4)},
-                             {"low", rod({-2, 0.3, 0}, {2, 0.4, 0.3}, 0.003, 6)},
-                             {"high", rod({-2, 1.1, 0.4}, {2, 0.9, -0.6}, 0.003, 6)},
-                             {"post", rod({0.3, 0, 0.2}, {0.3, 1.2, 0.2}, 0.003, 6)}},
-                            {320, 180});
+Shot wires_from_close() {
+    Shot shot = wires();
+    shot.size = {320, 180};
     shot.camera = {{0, {-0.2, 0.9, 1.2}, {-0.4, 0, 0}, {0, 1, 0}}};
     return shot;
 }
@@ -62,13 +46,6 @@ Shot overhead(bool plate) {
 
 // ---- what a classifier loses
 
-RunOptions maps_of(uint32_t size, std::vector<std::string> settings = {}) {
-    RunOptions options;
-    options.settings = std::move(settings);
-    options.cascade_size = size;
-    return options;
-}
-
 struct Words {
     std::vector<uint32_t> undecided, hits, receivers;
     uint32_t tiles_x = 0, width = 0;
@@ -81,7 +58,7 @@ struct Words {
 
 Words words_of(const std::string& pipeline, const Shot& shot, RunOptions options) {
     options.captures = {"undecided_words", "preloaded_hits", "receiver_words"};
-    SceneRun run(pipeline, shot, options);
+    ShotRun run(pipeline, shot, options);
     run.frame(0, true);
     const View& view = run.session().view();
     return {captured<uint32_t>(view, "undecided_words"), captured<uint32_t>(view, "preloaded_hits"),
@@ -110,34 +87,18 @@ Loss loss_of(const Words& words, const std::vector<float>& truth) {
     return {double(traced) / double(penumbra), double(wrong) / double(receivers)};
 }
 
-using Frames = std::vector<std::vector<float>>;
-
-Frames frames_of(const std::string& pipeline, const Shot& shot, const RunOptions& options, uint32_t count) {
-    SceneRun run(pipeline, shot, options);
-    Frames frames;
-    for (uint32_t i = 0; i < count; ++i) frames.push_back(run.frame(i, i == 0));
-    return frames;
-}
-
-size_t differing(const Frames& a, const Frames& b) {
-    size_t count = 0;
-    for (size_t f = 0; f < a.size(); ++f)
-        for (size_t i = 0; i < a[f].size(); ++i) count += a[f][i] != b[f][i];
-    return count;
-}
-
 // ---- 23: a ray's interval, from its tile's blockers
 
 TEST_F(HardCase, ATilesIntervalChangesNoRaysAnswer) {
     const std::string taps = "nodes.taps.params.use_interval=false",
                       ours_whole = "nodes.cascades.params.use_interval=false";
     size_t pixels = 0, naive = 0, ours = 0;
-    for (const Shot& shot : {wires(), posts(), overhead(true)}) {
-        const Frames published = frames_of(published_pipeline, shot, maps_of(64), 2);
-        for (const std::vector<float>& frame : published) pixels += frame.size();
-        naive += differing(published, frames_of(published_pipeline, shot, maps_of(64, {taps}), 2));
-        ours += differing(frames_of(ours_pipeline, shot, maps_of(64), 2),
-                          frames_of(ours_pipeline, shot, maps_of(64, {ours_whole}), 2));
+    for (const Shot& shot : {wires_from_close(), posts(), overhead(true)}) {
+        const Frames published = frames_of(taps_raw, shot, maps_of(64), 2);
+        for (const std::vector<float>& frame : published.visibility) pixels += frame.size();
+        naive += differing(published, frames_of(taps_raw, shot, maps_of(64, {taps}), 2));
+        ours += differing(frames_of(cascades_raw, shot, maps_of(64), 2),
+                          frames_of(cascades_raw, shot, maps_of(64, {ours_whole}), 2));
     }
     const auto share = [&](size_t part) { return double(part) / double(pixels); };
     figure("case 23, share of pixels whose answer an interval changes", share(naive), share(ours));
@@ -149,11 +110,11 @@ TEST_F(HardCase, ATilesIntervalChangesNoRaysAnswer) {
 
 TEST_F(HardCase, AWireThinnerThanATexelGetsItsRays) {
     for (const auto& [size, radius_deg] : {std::pair{256u, 0.27}, {256u, 2.0}, {64u, 2.0}}) {
-        Shot shot = wires();
+        Shot shot = wires_from_close();
         shot.sun_angular_radius_deg = radius_deg;
         const std::vector<float> truth = truth_of(shot, 0, 64).visibility;
-        const Loss naive = loss_of(words_of(published_pipeline, shot, maps_of(size)), truth),
-                   ours = loss_of(words_of(ours_pipeline, shot, maps_of(size)), truth);
+        const Loss naive = loss_of(words_of(taps_raw, shot, maps_of(size)), truth),
+                   ours = loss_of(words_of(cascades_raw, shot, maps_of(size)), truth);
         const std::string at =
             " of wires, maps of " + std::to_string(size) + ", sun's radius " + std::to_string(radius_deg);
         figure(("case 30, recall" + at).c_str(), naive.recall, ours.recall);
@@ -169,7 +130,7 @@ TEST_F(HardCase, ACasterFarAboveAndBehindTheViewKeepsItsShadow) {
     const Shot shot = overhead(true);
     const std::vector<float> truth = truth_of(shot, 0, 64).visibility,
                              clipped = truth_of(overhead(false), 0, 64).visibility;
-    const Words words = words_of(ours_pipeline, shot, maps_of(256));
+    const Words words = words_of(cascades_raw, shot, maps_of(256));
     const Loss ours = loss_of(words, truth);
     // A near plane before what the camera sees drops the plate, and with it every verdict in its shadow.
     size_t lost = 0, receivers = 0;
@@ -183,7 +144,7 @@ TEST_F(HardCase, ACasterFarAboveAndBehindTheViewKeepsItsShadow) {
     EXPECT_LE(ours.misclassified, 1e-4);
     EXPECT_GE(ours.recall, 0.999);
     EXPECT_GT(naive, 0.05);
-    EXPECT_EQ(differing(frames_of("raw", shot, {}, 1), frames_of(ours_pipeline, shot, maps_of(256), 1)), 0u);
+    EXPECT_EQ(differing(frames_of("raw", shot, {}, 1), frames_of(cascades_raw, shot, maps_of(256), 1)), 0u);
 }
 
 // ---- 32: borders between cascades, while the camera steps by a millimetre
@@ -191,8 +152,8 @@ TEST_F(HardCase, ACasterFarAboveAndBehindTheViewKeepsItsShadow) {
 TEST_F(HardCase, CascadeBordersAreNotSeenWhileTheCameraSteps) {
     const Shot shot = posts();
     const Frames rays = frames_of("raw", shot, {}, 6);
-    const size_t naive = differing(rays, frames_of(published_pipeline, shot, maps_of(64), 6)),
-                 ours = differing(rays, frames_of(ours_pipeline, shot, maps_of(64), 6));
+    const size_t naive = differing(rays, frames_of(taps_raw, shot, maps_of(64), 6)),
+                 ours = differing(rays, frames_of(cascades_raw, shot, maps_of(64), 6));
     figure("case 32, pixels of 6 frames that differ from the rays'", double(naive), double(ours));
     EXPECT_EQ(ours, 0u);
     EXPECT_GT(naive, 20u);
@@ -283,12 +244,12 @@ TEST_F(HardCase, TexelsStayInPlaceUnderAMovingCamera) {
 // ---- 38: tiles with few rays
 
 TEST_F(HardCase, TilesWithFewRaysKeepThem) {
-    const Shot shot = wires();
+    const Shot shot = wires_from_close();
     const std::vector<float> truth = truth_of(shot, 0, 64).visibility;
-    SceneRun run(ours_pipeline, shot, maps_of(512));
+    ShotRun run(cascades_raw, shot, maps_of(512));
     run.frame(0, true);
     const uint32_t rays = counters_of(run.session().view(), "trace").at("rays");
-    Words words = words_of(ours_pipeline, shot, maps_of(512));
+    Words words = words_of(cascades_raw, shot, maps_of(512));
     const Loss ours = loss_of(words, truth);
     uint32_t open = 0;
     for (uint32_t& word : words.undecided) {

@@ -80,7 +80,7 @@ TEST_F(HardCase, TheOriginIsNowhereToBeSeen) {
     const auto image = [](double distance) {
         Shot shot = plaza_shot({wide.width, wide.height}, 6);
         shot.origin = {distance, 0, -distance};
-        return SceneRun("shadows", shot).up_to(5);
+        return ShotRun("shadows", shot).up_to(5);
     };
     const std::vector<float> here = image(0);
     for (const double distance : {1e3, 1e6, 1e7}) {
@@ -111,8 +111,8 @@ TEST_F(HardCase, VerticesFarFromTheOriginCastWhatTheyCastNearIt) {
         key.position += far;
         key.target += far;
     }
-    const std::vector<float> expected = SceneRun("shadows", here).up_to(7),
-                             image = SceneRun("shadows", there).up_to(7);
+    const std::vector<float> expected = ShotRun("shadows", here).up_to(7),
+                             image = ShotRun("shadows", there).up_to(7);
     EXPECT_GT(count_if(expected, [](float v) { return v < 0.1f; }), 150u);
     // Naive: a pixel's point in absolute coordinates of single precision is off by up to half their unit.
     const double unit_m = double(std::nextafter(1048576.0f, 1e9f)) - 1048576, pixel_m = 5.7 * 1.155 / 96;
@@ -240,7 +240,7 @@ TEST_F(HardCase, ATurnRoundLeavesNoHistory) {
     // Which tiles were proved is remembered by their places, which is no history of what is seen: all are
     // asked here.
     const RunOptions asks_all{.settings = {"nodes.beams.in.proved_before=null"}};
-    SceneRun warm("shadows", shot, asks_all), cold("shadows", shot, asks_all);
+    ShotRun warm("shadows", shot, asks_all), cold("shadows", shot, asks_all);
     warm.up_to(3);
     const std::vector<float> turned = warm.frame(4, false), fresh = cold.frame(4, true);
     EXPECT_EQ(nonfinite(turned), 0u);
@@ -292,7 +292,7 @@ std::vector<float> scaled_scene(double scale, const std::string& pipeline, const
         key.target *= scale;
     }
     shot.near *= scale;
-    return SceneRun(pipeline, shot, options).up_to(7);
+    return ShotRun(pipeline, shot, options).up_to(7);
 }
 
 TEST_F(HardCase, TheUnitOfLengthIsNowhereToBeSeen) {
@@ -317,8 +317,7 @@ TEST_F(HardCase, ShadowsAreWhereTheyAreToATwentiethOfAPixel) {
     shot.size = {96, 64};
     shot.frames = 64;
     shot.sun = {{0, {0.3, 0.2, 1}}};
-    const std::vector<float> mean = SceneRun("raw", shot).mean(64),
-                             truth = analytic_truth(shot, 0).visibility;
+    const std::vector<float> mean = ShotRun("raw", shot).mean(64), truth = analytic_truth(shot, 0).visibility;
     Shot corners = shot;  // what the corners of the pixels see
     corners.analytic->offset_px = 0.5;
     const std::vector<float> at_corners = analytic_truth(corners, 0).visibility;

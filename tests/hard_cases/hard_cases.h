@@ -5,14 +5,12 @@
 #pragma once
 
 #include <functional>
-#include <memory>
 #include <string>
 #include <vector>
 
-#include "app/session.h"
-#include "app/truth.h"
 #include "host/models/shapes.h"
 #include "tests/gpu_test.h"
+#include "tests/shot_run.h"
 #include "tests/view_run.h"
 
 namespace penumbra::test {
@@ -33,40 +31,6 @@ Shot scene_shot(const std::string& key, const std::vector<Placed>& shapes, std::
 double share(size_t part, size_t whole);
 
 Camera looking(glm::dvec3 eye, glm::dvec3 target, double fov_rad, Extent extent, double near = 0.05);
-
-struct RunOptions {
-    std::vector<std::string> settings, captures;  // captures: besides the visibility
-    Facts facts;
-    bool jitter = false;
-    uint32_t seed = 0;
-    uint32_t cascade_size = 1024;  // texels along a side of the sun's shadow maps
-};
-
-class SceneRun {
-  public:
-    SceneRun(const std::string& pipeline, Shot shot, const RunOptions& options = {});
-
-    std::vector<float> frame(uint32_t index, bool reset);  // visibility
-    std::vector<float> up_to(uint32_t last);               // the same, of frame `last`
-    std::vector<float> plane(const std::string& capture, size_t channel = 0) const;
-    std::vector<float> mean(uint32_t frames);  // of the visibility over frames 0 .. frames - 1
-    Session& session() const { return *session_; }
-
-  private:
-    std::unique_ptr<Session> session_;
-};
-
-// The converged visibility of a frozen frame.
-Truth truth_of(const Shot& shot, uint32_t frame, uint32_t rays);
-
-double rms(const std::vector<float>& a, const std::vector<float>& b);
-size_t count_if(const std::vector<float>& values, const std::function<bool(float)>& test);
-size_t nonfinite(const std::vector<float>& values);
-
-// Sum of v (1 - v) over the penumbra by the squared errors of all pixels that `counted` accepts (all: none
-// given).
-double n_eff(const std::vector<float>& image, const std::vector<float>& truth,
-             const std::function<bool(size_t)>& counted = {});
 
 // An infinite plane as a G-buffer that a host hands to the denoiser alone, with shadow samples of the test's
 // choosing. Everything is computed per pixel in double precision.

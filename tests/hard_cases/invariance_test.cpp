@@ -68,7 +68,7 @@ struct Error {
 
 Error error_of(const Shot& shot, const std::vector<float>& truth, const RunOptions& options) {
     constexpr uint32_t seeds = 12, last = 31;
-    SceneRun run("one_ray", shot, options);
+    ShotRun run("one_ray", shot, options);
     double sum = 0, squares = 0;
     for (uint32_t seed = 0; seed < seeds; ++seed) {
         run.session().set_param("seed", seed);

@@ -174,7 +174,6 @@ TEST_F(HardCase, ALightEndsWithoutAStep) {
     const auto checked = shipped_pipeline("lights", {R"(outputs=["illuminance"])"}, test_nodes());
     SessionOptions options;
     options.size = shot.size;
-    options.optimum = false;
     options.captures = checked.output_names();
     const auto session = open_session(checked, shot, options, test_nodes());
     session->run_frame(0, true);

@@ -35,7 +35,7 @@ TEST_F(HardCase, NoContrastIsAdded) {
     const auto bias = [&](const char* pipeline) {
         std::vector<float> mean(truth.size(), 0);
         for (const uint32_t seed : {1u, 2u, 3u, 4u}) {  // one is a quarter as sure
-            SceneRun run(pipeline, shot, {.seed = seed});
+            ShotRun run(pipeline, shot, {.seed = seed});
             const std::vector<float> v = run.up_to(31);
             for (size_t i = 0; i < v.size(); ++i) mean[i] += v[i] / 4;
         }
@@ -51,7 +51,7 @@ TEST_F(HardCase, AShadowSeenEightStopsUpHasNoSteps) {
     const Shot shot = edge_shot(64, 17, {96, 64}, 32);
     const auto step = [&](const char* format) {
         const RunOptions options{.settings = {std::string("resources.visibility.format=") + format}};
-        const std::vector<float> v = SceneRun("shadows", shot, options).up_to(31);
+        const std::vector<float> v = ShotRun("shadows", shot, options).up_to(31);
         std::set<float> dark;  // the part that is seen at + 8 stops
         for (const float x : v)
             if (x < 0.125f) dark.insert(x);
@@ -77,7 +77,7 @@ TEST_F(HardCase, ABrightSunsPenumbraIsAsBrightAsItIs) {
     const auto error = [&](std::vector<std::string> more) {
         RunOptions options{.settings = bright, .captures = {"color", "lit"}};
         options.settings.insert(options.settings.end(), more.begin(), more.end());
-        SceneRun run("shadows", shot, options);
+        ShotRun run("shadows", shot, options);
         std::vector<double> mean(truth.size(), 0);
         for (uint32_t frame = 0; frame < 40; ++frame) {
             run.frame(frame, frame == 0);

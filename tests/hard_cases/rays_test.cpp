@@ -64,7 +64,7 @@ TEST_F(HardCase, AFloorUnderALowSunDoesNotShadeItselfAtAnyScale) {
         shot.sun = {{0, {std::cos(0.7), std::tan(glm::radians(1.0)), std::sin(0.7)}}};
         shot.sun_angular_radius_deg = 0.2665;
         const auto acne = [&](const RunOptions& options) {
-            SceneRun run("raw", shot, options);
+            ShotRun run("raw", shot, options);
             const std::vector<float> v = run.frame(0, true);
             return share(count_if(v, [](float x) { return x < 1; }), v.size());
         };
@@ -92,7 +92,7 @@ Band beside_the_sheet(const std::string& pipeline, uint32_t frames, double radiu
     shot.sun_angular_radius_deg = radius_deg;
     RunOptions with_depth = options;
     with_depth.captures = {"view_depth"};
-    SceneRun run(pipeline, shot, with_depth);
+    ShotRun run(pipeline, shot, with_depth);
     const std::vector<float> v = run.up_to(frames - 1), z = run.plane("view_depth");
     const Camera camera = camera_at(shot, 0, 320.0 / 180);
     const Extent extent{320, 180};
@@ -156,7 +156,7 @@ TEST_F(HardCase, AFacetedBallCastsNothingOnItsLitFacets) {
     Shot shot = scene_shot("ball", {{"ball", lathe(profile, 8)}}, {160, 96});
     shot.camera = {{0, {-1.5, 0.6, 1.8}, {0, 0, 0}, {0, 1, 0}}};
     shot.sun_angular_radius_deg = 0.2665;
-    SceneRun run("raw", shot, {.captures = {"view_depth", "guide_normal"}});
+    ShotRun run("raw", shot, {.captures = {"view_depth", "guide_normal"}});
     const std::vector<float> v = run.frame(0, true), z = run.plane("view_depth");
     const std::array normal = {run.plane("guide_normal", 0), run.plane("guide_normal", 1),
                                run.plane("guide_normal", 2)};
@@ -267,7 +267,7 @@ TEST_F(HardCase, ASurfaceOnASurfaceCastsNothing) {
         for (glm::vec3& p : upper.positions) p.y = float(gap);
         const std::string key = "decal" + std::to_string(gap * 1e7);
         const auto image = [&](const std::string& name, const std::vector<Placed>& shapes) {
-            SceneRun run("raw", scene_shot(key + name, shapes, {160, 96}));
+            ShotRun run("raw", scene_shot(key + name, shapes, {160, 96}));
             return run.frame(0, true);
         };
         const std::vector<float> one = image("a", {{"floor", ground(4, 4, 3, 3)}, {"decal", upper}}),

@@ -34,7 +34,7 @@ TEST_F(HardCase, ASunOnAnAxisIsASunLikeAnyOther) {
         for (const glm::dvec3& off : {glm::dvec3(0), {ulp, 0, 0}, {0, -ulp, 0}, {0, 0, -ulp}}) {
             ++suns;
             naive += !naive_frame_is_finite(glm::vec3(axis + off));
-            SceneRun run("shadows", under(axis + off), {.captures = {"color"}});
+            ShotRun run("shadows", under(axis + off), {.captures = {"color"}});
             EXPECT_EQ(nonfinite(run.up_to(1)), 0u);
             EXPECT_EQ(nonfinite(run.plane("color")), 0u);
         }
@@ -71,9 +71,9 @@ TEST_F(HardCase, ASettingSunIsCutByTheHorizonExactly) {
             {0, {std::cos(glm::radians(elevation_deg)), std::sin(glm::radians(elevation_deg)), 1e-3}}};
         shot.sun_angular_radius_deg = radius_deg;
         const double exact = half_plane_visibility(glm::radians(elevation_deg), glm::radians(radius_deg));
-        ours = std::max(ours, std::abs(mean_of(SceneRun("raw", shot).mean(64)) - exact));
+        ours = std::max(ours, std::abs(mean_of(ShotRun("raw", shot).mean(64)) - exact));
         const RunOptions centre{.settings = {"nodes.classify.params.terminator=centre"}};
-        naive = std::max(naive, std::abs(mean_of(SceneRun("raw", shot, centre).mean(64)) - exact));
+        naive = std::max(naive, std::abs(mean_of(ShotRun("raw", shot, centre).mean(64)) - exact));
     }
     figure("case 27, error of the visibility under a setting sun", naive, ours);
     EXPECT_LT(ours, 1e-3);
@@ -86,7 +86,7 @@ TEST_F(HardCase, ASunOfATenthOfAMicroradianCastsTheHardShadow) {
     Shot disc = plaza_shot({160, 96}, 8), point = plaza_shot({160, 96}, 8);
     disc.sun_angular_radius_deg = glm::degrees(1e-7);
     point.sun_angular_radius_deg = 0;
-    SceneRun raw("raw", disc), hard("raw", point), soft("shadows", disc);
+    ShotRun raw("raw", disc), hard("raw", point), soft("shadows", disc);
     size_t differ = 0, blurred = 0, pixels = 0;
     for (uint32_t frame = 0; frame < 8; ++frame) {
         const std::vector<float> a = raw.frame(frame, frame == 0), b = hard.frame(frame, frame == 0),
@@ -118,7 +118,7 @@ TEST_F(HardCase, AWideSunIsAsBrightAsItsCap) {
         shot.sun_angular_radius_deg = radius_deg;
         const std::vector<float> truth = analytic_truth(shot, 0).visibility;
         const auto bias = [&](const RunOptions& options) {
-            const std::vector<float> mean = SceneRun("raw", shot, options).mean(64);
+            const std::vector<float> mean = ShotRun("raw", shot, options).mean(64);
             // Along the edge's normal the errors of the two sides cancel; a box of 9x9 pixels keeps what does
             // not.
             double worst = 0;

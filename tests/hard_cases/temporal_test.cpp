@@ -27,7 +27,7 @@ struct Jump {
 Jump jump(const Shot& shot, uint32_t at, uint32_t frames) {
     const std::vector<float> before = truth_of(shot, at - 1, 64).visibility,
                              after = truth_of(shot, at, 64).visibility;
-    SceneRun run("shadows", shot), rays("raw", shot);
+    ShotRun run("shadows", shot), rays("raw", shot);
     std::vector<float> average;
     double whole = 0;
     for (size_t i = 0; i < before.size(); ++i) whole += std::abs(before[i] - after[i]) > 0.5f;
@@ -137,7 +137,7 @@ TEST_F(HardCase, NoDirectionOfAnEdgeIsWorseThanOthers) {
             const Shot shot = edge_shot(16, angle, {96, 96}, 32);
             // The rays alone: what a denoiser gets to average.
             const double n =
-                n_eff(SceneRun("raw", shot, options).mean(32), analytic_truth(shot, 0).visibility);
+                n_eff(ShotRun("raw", shot, options).mean(32), analytic_truth(shot, 0).visibility);
             low = std::min(low, n);
             high = std::max(high, n);
         }
@@ -204,7 +204,7 @@ TEST_F(HardCase, TheNoiseTileDoesNotRepeat) {
         const std::vector<float> truth = analytic_truth(shot, 0).visibility;
         const auto judge = [&](const char* pipeline, const RunOptions& options = {}) {
             std::array<std::vector<float>, 2> noise;
-            SceneRun run(pipeline, shot, options);
+            ShotRun run(pipeline, shot, options);
             for (const uint32_t seed : {0u, 1u}) {
                 run.session().set_param("seed", seed);
                 for (uint32_t frame = 0; frame < 16; ++frame) {
@@ -352,7 +352,7 @@ TEST_F(HardCase, ASlowPanBlursNoHistory) {
         panned.camera = {{0, from, from - glm::dvec3(0, 1, 0), {0, 0, -1}},
                          {31, from + 31.0 * step, from + 31.0 * step - glm::dvec3(0, 1, 0), {0, 0, -1}}};
         const std::vector<float> truth = truth_of(panned, 31, 1024).visibility;
-        SceneRun run(pipeline, panned, {.captures = {"view_depth"}, .facts = {{"moves", true}}});
+        ShotRun run(pipeline, panned, {.captures = {"view_depth"}, .facts = {{"moves", true}}});
         const std::vector<float> image = run.up_to(31), z = run.plane("view_depth");
         const auto on_floor = [&](size_t i) { return std::abs(z[i] - height) < 0.01 && i % 128 < 96; };
         return n_eff(image, truth, on_floor);
@@ -378,7 +378,7 @@ TEST_F(HardCase, AFenceThinnerThanAPixelDoesNotFlicker) {
     shapes.push_back({"fence", fence});
     Shot shot = scene_shot("fence", shapes, {192, 108});
     const auto flicker = [&](const char* pipeline, bool jitter, bool moves) {
-        SceneRun run(pipeline, shot, {.captures = {"color"}, .facts = {{"moves", moves}}, .jitter = jitter});
+        ShotRun run(pipeline, shot, {.captures = {"color"}, .facts = {{"moves", moves}}, .jitter = jitter});
         std::vector<float> last;
         double squares = 0;
         for (uint32_t frame = 0; frame < 48; ++frame) {

@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: MIT
 // Rays that are aimed at bodies that shine: which these are, and what such rays are worth.
+#include <fmt/format.h>
+
 #include <bit>
 #include <cmath>
 
@@ -196,6 +198,21 @@ TEST_F(AimRays, FindALargeBodyFromRoughSurfaces) {
                 aimed.squared, by_lobes.squared);
     EXPECT_LT(std::abs(aimed.bias), 0.02);
     EXPECT_LT(aimed.squared, 0.6 * by_lobes.squared);
+}
+
+// A body narrower than the digits that are kept of directions is found by neighbours where it is: else its
+// light would count as theirs and as the pixel's own, 1.5 times of it here.
+TEST_F(AimRays, BringASmallBodysLightOnce) {
+    const Shot shot = bulb_over_floors({64, 36}, beside, {0.12f, 0.25f, 0.45f, 0.7f}, 0.004);
+    const PlanarImage truth = truth_of(shot, "diffuse", 16);  // a unit for both
+    const std::vector<std::string> aimed = {"nodes.aim.params.background=0"};
+    std::vector<std::string> exact = aimed;
+    for (const char* node : {"rays", "reconnect"})
+        exact.push_back(fmt::format("nodes.{}.params.hit_normals=false", node));
+    const double short_words = 1 + judge(shot, truth, "indirect", aimed, 16).bias,
+                 long_words = 1 + judge(shot, truth, "indirect", exact, 16).bias;
+    std::printf("%.4f of %.4f\n", short_words, long_words);
+    EXPECT_NEAR(short_words / long_words, 1, 0.04);
 }
 
 // Rays go everywhere into a body's cone, and those that meet black things before it take no light from what

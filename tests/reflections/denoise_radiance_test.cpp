@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <glm/gtc/packing.hpp>
+#include <optional>
 
 #include "host/models/model_builder.h"
 #include "tests/gpu_test.h"
@@ -30,7 +31,8 @@ Shot moving_shot() {
 struct Images {
     std::vector<float> foreign, own;
 };
-Images run(bool turned) {
+// `wrong`: what one pixel of the last frame but two has for radiance.
+Images run(bool turned, std::optional<float> wrong = {}) {
     const Shot shot = moving_shot();
     const auto session =
         open_shipped("reflections", shot,
@@ -40,7 +42,9 @@ Images run(bool turned) {
     for (uint32_t frame = 0; frame < frames; ++frame) {
         session->run_frame(frame, frame == 0);
         hand_over_guides(host, *session);
-        host.set("radiance", session->view().captured("radiance"));
+        auto radiance = captured<uint16_t>(session->view(), "radiance");
+        if (wrong && frame == frames - 3) radiance[4 * (20 * shot.size[0] + 28)] = glm::packHalf1x16(*wrong);
+        host.set("radiance", radiance);
         auto directions = captured<uint32_t>(session->view(), "ray_direction");
         if (turned) std::rotate(directions.begin(), directions.begin() + 1, directions.end());
         host.set("ray_direction", directions);
@@ -59,6 +63,17 @@ TEST_F(DenoiseRadiance, OfOurRaysIsTheirPipeline) {
 TEST_F(DenoiseRadiance, KnowsWhereRaysWent) {
     const Images images = run(true);
     EXPECT_FALSE(images.foreign == images.own);
+}
+
+// One pixel that is no number is as good as none.
+TEST_F(DenoiseRadiance, WhatIsNoNumberIsNoRay) {
+    const std::vector<float> right = run(false).foreign;
+    const float largest = *std::ranges::max_element(right);
+    for (const float wrong : {INFINITY, NAN}) {
+        const std::vector<float> image = run(false, wrong).foreign;
+        for (size_t i = 0; i < image.size(); ++i)
+            ASSERT_LT(std::abs(image[i] - right[i]), 0.2f * largest) << i;
+    }
 }
 
 // A mirror before a camera at rest, of which each column shows something else: what it mirrors was seen by

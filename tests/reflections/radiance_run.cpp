@@ -81,7 +81,6 @@ std::unique_ptr<Session> open_shipped(const std::string& name, const Shot& shot,
     const CheckedPipeline pipeline = shipped_pipeline(name, settings);
     SessionOptions options;
     options.size = shot.size;
-    options.optimum = false;
     options.facts = facts;
     if (!jitter) options.jitter = false;
     options.captures = pipeline.output_names();
