@@ -332,7 +332,7 @@ int dispatch(const CLI::App& app, const RenderArguments& render, const PlanArgum
 // Else a number that begins with 0 would be octal.
 void read_decimals(CLI::App& app) {
     const auto without_zeros = [](std::string text) {
-        const bool digits = text.find_first_not_of("0123456789") == text.npos;
+        const bool digits = !text.empty() && text.find_first_not_of("0123456789") == text.npos;
         return digits ? text.substr(std::min(text.find_first_not_of('0'), text.size() - 1)) : text;
     };
     for (CLI::App* command : app.get_subcommands({}))

@@ -56,8 +56,11 @@ std::string settings_of(const BoundNode& node) {
 
 std::string node_section(const NodeType& type) {
     std::string out = fmt::format("### {}\n\n{}\n\n", type.name, paragraph(type.doc));
-    if (!type.needs.empty())
-        out += fmt::format("Runs where the device has {}.\n\n", joined(type.needs, ", "));
+    std::vector<std::string> of_device, of_host;
+    for (const std::string& need : type.needs)
+        (need == "jitter" || need == "camera" ? of_host : of_device).push_back(need);
+    if (!of_device.empty()) out += fmt::format("Runs where the device has {}.\n\n", joined(of_device, ", "));
+    if (!of_host.empty()) out += fmt::format("Asks its host for {}.\n\n", joined(of_host, ", "));
     if (!type.jittered.empty())
         out += fmt::format("Where the host jitters, a plan with this node takes `{}` for true.\n\n",
                            joined(type.jittered, "`, `"));

@@ -96,7 +96,9 @@ VkImageUsageFlags usage_of(const Plan& plan, uint32_t slot) {
         if (r.slot == slot) return r.image_usage;
     constexpr std::pair<VkAccessFlags2, VkImageUsageFlags> uses[] = {
         {VK_ACCESS_2_SHADER_SAMPLED_READ_BIT, VK_IMAGE_USAGE_SAMPLED_BIT},
-        {VK_ACCESS_2_SHADER_STORAGE_READ_BIT, VK_IMAGE_USAGE_STORAGE_BIT}};
+        {VK_ACCESS_2_SHADER_STORAGE_READ_BIT, VK_IMAGE_USAGE_STORAGE_BIT},
+        {VK_ACCESS_2_MEMORY_READ_BIT,
+         VK_IMAGE_USAGE_SAMPLED_BIT | VK_IMAGE_USAGE_TRANSFER_SRC_BIT}};  // a callback's
     VkImageUsageFlags usage = 0;
     for (const auto& [access, bit] : uses)
         if (s.use.access & access) usage |= bit;

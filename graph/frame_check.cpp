@@ -22,12 +22,13 @@ bool is_given(const Camera& camera) {
 }
 
 // What shaders take for granted of a projection (shaders/common/camera.glsl): x and y each make their own
-// coordinate, and what w is.
+// coordinate, off-centre by a share of w, and what w is. Of floats that were multiplied it is off by less.
 bool is_upright(const glm::dmat4& m, bool orthographic) {
-    const double w = orthographic ? m[3][3] : -m[2][3], other_w = orthographic ? m[2][3] : m[3][3];
+    const int scales = orthographic ? 3 : 2, other = orthographic ? 2 : 3;  // the column that makes w
     return std::ranges::all_of(
-        std::array{m[0][1], m[0][2], m[0][3], m[1][0], m[1][2], m[1][3], other_w, w - 1},
-        [](double x) { return std::abs(x) < 1e-6; });
+        std::array{m[0][1], m[0][2], m[0][3], m[1][0], m[1][2], m[1][3], m[other][0], m[other][1],
+                   m[other][3], std::abs(m[scales][3] - (orthographic ? 1 : -1))},
+        [](double x) { return std::abs(x) < 1e-4; });
 }
 
 void check_camera(const Camera& camera, bool orthographic, const std::string& place) {
@@ -48,10 +49,12 @@ void check_camera(const Camera& camera, bool orthographic, const std::string& pl
         wrong("clip_from_view", "has no inverse: it is the unjittered projection, as perspective() makes it");
     if (!is_upright(glm::make_mat4(camera.clip_from_view.data()), orthographic))
         wrong("clip_from_view",
-              orthographic ? "has another w than 1, or turns or shears the image: is the camera orthographic "
-                             "(FrameDescription::flags)?"
-                           : "has another w than -z, or turns or shears the image: it looks along -z "
-                             "(without perspective: frame_orthographic), and a picture is turned when shown");
+              orthographic
+                  ? "is none of an orthographic camera (frame_orthographic): w is 1, and the image neither "
+                    "turned nor sheared; a change between the two needs frame_reset"
+                  : "is no plain perspective: w is -z (else: frame_orthographic, and frame_reset where that "
+                    "changes), the eye is at Camera::position, the near plane is straight, and the image "
+                    "neither turned nor sheared");
     if (!std::isfinite(camera.near_m)) wrong("near_m", "is not finite");
 }
 
@@ -83,7 +86,8 @@ void check_frame(const FrameDescription& frame, const Plan& plan, bool has_past)
         const bool reads_previous = has_past && !(frame.flags & frame_reset) && !plan.reset.empty();
         if (reads_previous) check_camera(frame.previous, orthographic, "previous");
     }
-    if ((frame.flags & frame_unchanged) && has_past && frame.camera != frame.previous)
+    if ((frame.flags & frame_unchanged) && !(frame.flags & frame_reset) && has_past &&
+        frame.camera != frame.previous)
         fail(ErrorCode::usage, "FrameDescription::flags",
              "promise that nothing has changed (frame_unchanged), and camera is not previous");
     check_jitter(frame, plan);

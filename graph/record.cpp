@@ -163,9 +163,9 @@ void ViewState::record_handovers(VkCommandBuffer cmd, bool back) {
         const VkPipelineStageFlags2 stages = back ? h.stages_after : h.stages_before;
         const VkAccessFlags2 access = back ? h.access_after : h.access_before;
         if (!stages && !foreign && (!image || outside == during)) continue;
-        // A transfer's other half is on the other queue, and so are the scopes there. A barrier, or a
-        // semaphore's wait, of the host's that reaches the frame's accesses reaches a change of layout before
-        // them only if that begins there; and the other way round.
+        // A transfer's other half is on the other queue, and so are the scopes there. Without stages of the
+        // host's, a change of layout begins and ends at the frame's own scope, so that the host's barriers
+        // (or a semaphore's wait) chain with it.
         const bool chains = !stages && !foreign;
         const VkPipelineStageFlags2 theirs = foreign && back ? VkPipelineStageFlags2{VK_PIPELINE_STAGE_2_NONE}
                                              : foreign || chains ? slot.use.stages

@@ -35,6 +35,7 @@ for target in "${targets[@]}"; do
         pipeline) seeds+=(pipelines tests/golden/broken) ;;
         declaration) seeds+=(nodes tests/golden/broken) ;;
         shot)
+            rm -rf "$out/shots"
             mkdir -p "$out/shots" # a fuzzer reads a folder with all that is below it
             cp scenes/*.shot.json "$out/shots"
             seeds+=("$out/shots" scenes/tuning)

@@ -22,6 +22,7 @@ class Average : public GpuTest {
 
     static ViewRunOptions options() {
         ViewRunOptions o;
+        o.jitters = true;
         o.formats = {{"fresh", Format::r16f}};
         return o;
     }

@@ -46,6 +46,7 @@ TEST_F(CapturedFiles, AnImageNamedAsAHostImageIsThePipelines) {
     };
     const std::string of_lamp = " --nodes examples/invert/nodes --shot lamp --size 48x32 ";
     const auto written = [&](const std::string& pipeline, const std::string& name, const char* more = "") {
+        fs::remove_all(folder_ / "o");
         const Result result = run("render " + pipeline + of_lamp + "--frames 0 --out " + in("o") + more);
         EXPECT_EQ(result.code, 0) << result.err;
         return read_file(in("o/" + name + ".0000.png"));

@@ -196,6 +196,7 @@ TEST_P(DenoiserNodes, ComputeWhatTheModelSaysOfRandomImages) {
         text.replace(text.find("TERMINATOR"), 10, terminator);
         ViewRunOptions options;
         options.cpu = cpu;
+        options.jitters = true;
         // NaN in the memory shows what is read unwritten, but fails the test of the previous depth as a reset
         // should: that the reset itself is heeded shows where the old state stays.
         if (std::string(terminator) == "disc") options.poison = std::nullopt;

@@ -92,7 +92,9 @@ TEST(House, WhoseShaderAsksWherePixelsAreNeedsACamera) {
     for (const std::string& shader : in_groups(root / "shaders", ".comp")) {
         const std::string name = fs::path(shader).filename().string();
         const bool asks = files_of(shader).contains("common/camera.glsl");
-        EXPECT_EQ(std::ranges::count(nodes.find(name)->type.needs, "camera"), asks) << name;
+        const NodeEntry* node = nodes.find(name);
+        ASSERT_TRUE(node) << name;
+        EXPECT_EQ(std::ranges::count(node->type.needs, "camera"), asks) << name;
         asking += asks;
     }
     EXPECT_GT(asking, 0u);

@@ -26,6 +26,7 @@ Plan plan_for(const CheckedPipeline& pipeline, Extent extent, const ViewRunOptio
     target.device = device_table(handles_of(gpu()));
     target.device.cpu = options.cpu;
     target.facts = options.facts;
+    if (options.jitters) target.jitters = true;
     for (const auto& [name, format] : options.formats) target.inputs[name] = {format, extent};
     for (const auto& [name, size] : options.arrays) target.inputs[name] = {options.formats.at(name), size, 1};
     CompileOptions compile_options;

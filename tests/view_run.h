@@ -28,6 +28,7 @@ struct ViewRunOptions {
     bool cpu = true;  // which device class's workgroup shapes
     bool alias = true;
     Facts facts;
+    bool jitters = false;  // its frames, whatever nodes ask for
     std::optional<uint32_t> poison = 0;
     std::map<std::string, Format>
         formats;                        // of the host images; absent: the first format that the nodes accept

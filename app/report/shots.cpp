@@ -10,6 +10,7 @@
 #include "app/view_source.h"
 #include "host/json_dump.h"
 #include "host/shots/light_choice.h"
+#include "host/shots/model_shot.h"
 
 namespace penumbra::report {
 namespace {
@@ -31,8 +32,7 @@ OrderedJson standing_still(const std::string& text, const fs::path& file, const 
                            uint32_t frames) {
     OrderedJson json = OrderedJson::parse(text);
     const auto seen_from_there = [&](OrderedJson& path) {
-        path = fs::proximate(fs::absolute(file.parent_path() / path.get<std::string>()), fs::absolute(folder))
-                   .generic_string();
+        path = seen_from(from_folder(file.parent_path(), path.get<std::string>()), folder);
     };
     json.erase("$schema");  // relative to the original
     json.erase("cuts");

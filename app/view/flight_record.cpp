@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 #include <stdexcept>
 
+#include "host/shots/model_shot.h"
 #include "host/shots/shot_text.h"
 
 namespace penumbra::viewer {
@@ -84,14 +85,11 @@ std::string FlightRecord::shot_text(const std::string& base, const Shot& shot, c
         return glm::length(on_course - stances[i].sun.to_sun) / fine;
     };
     Json json = Json::parse(base);
-    const auto from_folder = [&](const fs::path& file) {
-        return fs::proximate(fs::absolute(file), fs::absolute(folder)).generic_string();
-    };
-    if (shot.models.empty()) json["scene"] = from_folder(shot.model);
+    if (shot.models.empty()) json["scene"] = seen_from(shot.model, folder);
     for (size_t i = 0; i < shot.models.size(); ++i)
-        json["scene"][i]["file"] = from_folder(shot.models[i].file);
+        json["scene"][i]["file"] = seen_from(shot.models[i].file, folder);
     if (const auto* file = std::get_if<EnvironmentFile>(&shot.environment))
-        json["environment"]["file"] = from_folder(file->path);
+        json["environment"]["file"] = seen_from(file->path, folder);
     json.erase("cuts");
     json["frames"] = stances.size();
     Json& camera = json["camera"]["keys"] = Json::array();

@@ -27,8 +27,8 @@ std::string_view document_of(std::string_view file);
 // EXT_meshopt_compression has as a place for decoded bytes alone, without the indices of primitives that
 // Draco holds, whose accessors have no data, and with a type of data that it knows in data URIs, which have
 // no more bytes than their buffer. Bytes that are no glTF stay as they are. Returns how many bytes there are
-// of each buffer that is a file of its own, in the order in which tinygltf reads them: such a file may be
-// longer, which it does not take, either. And what wrong_member() says of its JSON.
+// of each buffer that is a file of its own, in the order in which tinygltf reads them: it refuses a longer
+// file, so no more is read of one. And what wrong_member() says of its JSON.
 struct ReadableGltf {
     std::vector<uint64_t> lengths;
     std::string wrong;

@@ -9,7 +9,7 @@
 // nothing has to be found out from the new samples' noise.
 const float SAMPLE_VARIANCE = 0.144;  // v (1 - v), averaged over a straight penumbra of a round sun
 
-// Of the larger of two discs of these radii, that the other covers, whose centre lies d away. Radians.
+// Share of the larger of two discs that the other covers; their centres lie d apart. Radians.
 float shared_share(float r, float r_prev, float d) {
     const float smaller = min(r, r_prev), larger = max(r, r_prev);
     if (d >= r + r_prev) return 0.0;
