@@ -2,7 +2,6 @@
 #include "app/input_files.h"
 
 #include <algorithm>
-#include <charconv>
 #include <fstream>
 #include <nlohmann/json.hpp>
 #include <set>
@@ -16,20 +15,6 @@ namespace {
 
 namespace fs = std::filesystem;
 using Json = nlohmann::json;
-
-// Without %20 and its like.
-std::string decoded_uri(const std::string& uri) {
-    std::string out;
-    for (size_t i = 0; i < uri.size(); ++i) {
-        uint8_t byte = 0;
-        const char* const first = uri.data() + i + 1;
-        const bool coded = uri[i] == '%' && i + 2 < uri.size() &&
-                           std::from_chars(first, first + 2, byte, 16).ptr == first + 2;
-        out += coded ? static_cast<char>(byte) : uri[i];
-        if (coded) i += 2;
-    }
-    return out;
-}
 
 // A glTF's JSON, as far as a document may go.
 std::string json_of_model(const fs::path& model) {
@@ -52,7 +37,7 @@ void add_model(const fs::path& file, FileList& files) {
             const std::string uri = item["uri"];
             if (uri.starts_with("data:")) continue;
             std::error_code failure;
-            const fs::path part = file.parent_path() / decoded_uri(uri);
+            const fs::path part = file.parent_path() / percent_decoded(uri);
             if (fs::is_regular_file(part, failure)) files.push_back(part);
         }
     }

@@ -30,8 +30,8 @@ struct RunOptions {
     std::vector<std::string> settings, captures;  // as of `penumbra render --set`; besides the visibility
     Facts facts;                                  // instead of what the shot says
     bool jitter = false;                          // where a node of the pipeline asks for it
-    uint32_t seed = 0;
-    uint32_t cascade_size = 1024;  // texels along a side of the sun's shadow maps
+    std::optional<uint32_t> seed;                 // instead of the shot's
+    uint32_t cascade_size = 1024;                 // texels along a side of the sun's shadow maps
     bool alias = true;
     std::optional<uint32_t> poison;
 };

@@ -108,22 +108,6 @@ std::string one_line(std::string_view text) {
     return cut(out, longest);
 }
 
-// A URI's text, which has %20 where a name has a space.
-std::string percent_decoded(const std::string& uri) {
-    std::string out;
-    for (size_t i = 0; i < uri.size(); ++i) {
-        unsigned char value = 0;
-        const char *digits = uri.data() + i + 1, *end = digits + 2;
-        if (uri[i] == '%' && i + 2 < uri.size() && std::from_chars(digits, end, value, 16).ptr == end) {
-            out += static_cast<char>(value);
-            i += 2;
-        } else {
-            out += uri[i];
-        }
-    }
-    return out;
-}
-
 std::string lower(std::string text) {
     std::ranges::transform(text, text.begin(),
                            [](unsigned char c) { return static_cast<char>(std::tolower(c)); });

@@ -2,6 +2,7 @@
 #include "host/models/gltf_text.h"
 
 #include <algorithm>
+#include <charconv>
 #include <cstdint>
 #include <cstring>
 #include <iterator>
@@ -136,6 +137,21 @@ std::string_view document_of(std::string_view file) {
     uint32_t length = 0;
     std::memcpy(&length, file.data() + glb_header, sizeof length);
     return file.substr(glb_head_bytes, length);
+}
+
+std::string percent_decoded(const std::string& uri) {
+    std::string out;
+    for (size_t i = 0; i < uri.size(); ++i) {
+        unsigned char value = 0;
+        const char *digits = uri.data() + i + 1, *end = digits + 2;
+        if (uri[i] == '%' && i + 2 < uri.size() && std::from_chars(digits, end, value, 16).ptr == end) {
+            out += static_cast<char>(value);
+            i += 2;
+        } else {
+            out += uri[i];
+        }
+    }
+    return out;
 }
 
 ReadableGltf make_readable(std::vector<unsigned char>& bytes) {

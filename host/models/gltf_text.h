@@ -39,4 +39,7 @@ ReadableGltf make_readable(std::vector<unsigned char>& bytes);
 // be 2.0.
 std::string old_version(const std::vector<unsigned char>& bytes);
 
+// A URI's text, which has %20 where a name has a space.
+std::string percent_decoded(const std::string& uri);
+
 }  // namespace penumbra
