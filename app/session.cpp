@@ -64,8 +64,11 @@ void Session::bring_cascades(uint32_t index, FrameCost& cost) {
     resources_.blocks->write_cascades(block);
 }
 
+// (A frame in motion that is run again is like the last one, and still not like the one before it.)
 bool Session::unchanged(const StandaloneFrame& frame, const std::array<double, 2>& moments) const {
-    return last_frame_ && alike(frame, *last_frame_) && !host_->scene().moved(moments[0], last_moments_[0]) &&
+    return last_frame_ && alike(frame, *last_frame_) &&
+           frame.description.camera == frame.description.previous &&
+           !host_->scene().moved(moments[0], last_moments_[0]) &&
            !host_->scene().moved(moments[1], last_moments_[1]);
 }
 

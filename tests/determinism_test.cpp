@@ -8,6 +8,7 @@
 #include <glm/glm.hpp>
 #include <numeric>
 
+#include "app/outputs.h"
 #include "app/session.h"
 #include "tests/gpu_test.h"
 #include "tests/shipped.h"
@@ -106,6 +107,17 @@ TEST_F(Resets, ForgetWhichCellsWereIdle) {
     EXPECT_NE(idle(*other), expected) << "nothing is remembered";
     other->run_frame(0, true);
     EXPECT_TRUE(idle(*other) == expected);
+}
+
+// As the report does: a frame in motion is like the one that was run, and not like the one before it.
+TEST_F(Resets, AFrameInMotionMayBeRunAgain) {
+    const auto session = open("raw", {}, {});
+    session->run_frame(0, true);
+    session->run_frame(1, false);
+    ASSERT_FALSE(session->frame_description().camera == session->frame_description().previous);
+    const auto once = captured_image(*session, "visibility").planes.front().values;
+    session->run_frame(1, false);
+    EXPECT_EQ(captured_image(*session, "visibility").planes.front().values, once);
 }
 
 TEST_P(Determinism, TheOrderOfTheTilesDoesNotShow) {
