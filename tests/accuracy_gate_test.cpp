@@ -130,12 +130,12 @@ INSTANTIATE_TEST_SUITE_P(OneRay, AccuracyGate,
                                            GateCase{"one_ray", "wall", wall, 88, any}),
                          scene_of);
 INSTANTIATE_TEST_SUITE_P(Ours, AccuracyGate,
-                         ::testing::Values(GateCase{"shadows", "edge", edge, 1830, any},
-                                           GateCase{"shadows", "moving_edge", moving_edge, 155, any},
-                                           GateCase{"shadows", "slit", slit, 1470, any},
-                                           GateCase{"shadows", "fence", fence, 2100, any},
-                                           GateCase{"shadows", "sphere", ball, 1340, any},
-                                           GateCase{"shadows", "wall", wall, 88, any}),
+                         ::testing::Values(GateCase{"shadows_fast", "edge", edge, 1830, any},
+                                           GateCase{"shadows_fast", "moving_edge", moving_edge, 155, any},
+                                           GateCase{"shadows_fast", "slit", slit, 1470, any},
+                                           GateCase{"shadows_fast", "fence", fence, 2100, any},
+                                           GateCase{"shadows_fast", "sphere", ball, 1340, any},
+                                           GateCase{"shadows_fast", "wall", wall, 88, any}),
                          scene_of);
 
 }  // namespace

@@ -22,9 +22,9 @@ TEST_F(AnotherLight, RaysAreNotAllottedByWhatTheSunOfBeforeShowed) {
     shot.objects.clear();
     shot.sun = {{jump - 1.0, {-0.4, 0.7, 0.5}}, {double(jump), {0.75, 0.62, -0.25}}};
     const std::vector<float> exact = ShotRun("covered", shot).frame(jump, true);
-    const double without = rms(ShotRun("shadows", shot).frame(jump, true), exact);
+    const double without = rms(ShotRun("shadows_fast", shot).frame(jump, true), exact);
     EXPECT_GT(without, 0.02);
-    EXPECT_LT(rms(ShotRun("shadows", shot).up_to(jump), exact), 1.3 * without);
+    EXPECT_LT(rms(ShotRun("shadows_fast", shot).up_to(jump), exact), 1.3 * without);
 }
 
 // Who brings the sun's past with a lamp and not the lamp's has said nothing of the lamp's.

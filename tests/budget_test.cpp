@@ -70,7 +70,7 @@ class Budget : public GpuTest {};
 TEST_F(Budget, IsKeptInEveryFrame) {
     for (const double rays : {0.1, 0.5, 1.0, 2.0}) {
         SCOPED_TRACE(rays);
-        ShotRun run("shadows", shot_named("colonnade", size),
+        ShotRun run("shadows_fast", shot_named("colonnade", size),
                     {{"nodes.pilots.params.rays_per_frame=" + std::to_string(rays)},
                      {"ray_words", "ray_bits", "sunward_words", "proved"}});
         for (uint32_t frame = 0; frame < 8; ++frame) {
@@ -92,7 +92,7 @@ TEST_F(Budget, NobodyWaitsForLongerThanItIsSaid) {
     for (const auto& [trickle, within, most] :
          {std::tuple{"0.25", 4u, 0.6}, std::tuple{"0.6", 3u, 1.0}, std::tuple{"0.01", 32u, 0.35}}) {
         SCOPED_TRACE(trickle);
-        ShotRun run("shadows", shot,
+        ShotRun run("shadows_fast", shot,
                     {{std::string("nodes.pilots.params.trickle=") + trickle},
                      {"ray_words", "sunward_words", "known"}});
         std::map<size_t, uint32_t> cast;
@@ -116,7 +116,7 @@ TEST_F(Budget, APixelsRaysSeeAllOfTheSunWhateverItsShare) {
     const Shot shot = standing(shot_named("colonnade", size));
     for (const auto& [share, frames] : {std::pair{"0.41", 68u}, {"0.6", 52u}}) {  // 13 and 19 of a tile's 32
         SCOPED_TRACE(share);
-        ShotRun run("shadows", shot,
+        ShotRun run("shadows_fast", shot,
                     {{std::string("nodes.pilots.params.trickle=") + share}, {"ray_words", "ray_points"}});
         std::map<size_t, std::pair<int, int>> rays;  // of a pixel: all, and those to one half of the sun
         for (uint32_t frame = 0; frame < frames; ++frame) {
@@ -175,7 +175,7 @@ TEST_F(Budget, OwnRaysOutweighAWrongPastInFramesOfSeveral) {
         SCOPED_TRACE(name);
         const Shot shot = standing(shot_named(name, size));
         const auto truth = covered_mean(shot);
-        const double n_eff = effective_rays(ShotRun("shadows", shot).up_to(63), truth);
+        const double n_eff = effective_rays(ShotRun("shadows_fast", shot).up_to(63), truth);
         RecordProperty(std::string("n_eff_") + name, std::to_string(n_eff));
         EXPECT_GT(n_eff, least);
     }
@@ -186,7 +186,7 @@ TEST_F(Budget, OwnRaysOutweighAWrongPastInFramesOfSeveral) {
 TEST_F(Budget, ManyOwnRaysEndWhatTheOwnRaysHaveSaid) {
     const Shot shot = shot_named("lamp", size);
     ShotRun covered("covered", shot, {{"nodes.cover.params.samples=256"}});
-    const double n_eff = effective_rays(ShotRun("shadows", shot).up_to(15), covered.frame(15, true));
+    const double n_eff = effective_rays(ShotRun("shadows_fast", shot).up_to(15), covered.frame(15, true));
     RecordProperty("n_eff", std::to_string(n_eff));
     EXPECT_GT(n_eff, 20);
 }
@@ -197,7 +197,7 @@ TEST_F(Budget, WhatCannotChangeSpeaksWithoutARay) {
     const Shot shot = standing(shot_named("engine", size));
     const auto truth = covered_mean(shot);
     const auto rays_with = [&](std::vector<std::string> settings) {
-        return effective_rays(ShotRun("shadows_fast", shot, {std::move(settings)}).up_to(127), truth);
+        return effective_rays(ShotRun("shadows_still", shot, {std::move(settings)}).up_to(127), truth);
     };
     EXPECT_GT(0.92 * rays_with({}), rays_with({"nodes.gather.in.known=null", "nodes.soften.in.known=null"}));
 }
@@ -205,7 +205,7 @@ TEST_F(Budget, WhatCannotChangeSpeaksWithoutARay) {
 // Those that four frames have found amid their like, within two pixels, and else those that twenty-four have.
 TEST_F(Budget, WhoIsAmidItsLikeIsKnownSoon) {
     constexpr int width = 192, height = 108;
-    ShotRun run("shadows_fast", standing(shot_named("engine", size)),
+    ShotRun run("shadows_still", standing(shot_named("engine", size)),
                 {.captures = {"known", "state", "sunward_words", "proved"}});
     run.up_to(11);
     const std::vector<uint32_t> before = run.words("state");
@@ -266,7 +266,7 @@ TEST_F(Budget, AChangeWhereAllHadSettledIsSeen) {
         if (std::abs(before[i] - after[i]) == 1.0F) changed.push_back(i);
     ASSERT_GE(changed.size(), 200u);
 
-    ShotRun run("shadows", shot);
+    ShotRun run("shadows_fast", shot);
     for (uint32_t frame = 0; frame < changes + 6; ++frame) {
         const auto seen = run.frame(frame, frame == 0);
         if (frame < changes) continue;
@@ -296,7 +296,7 @@ TEST_F(Budget, WhatMayChangeIsNeverKnownForCertain) {
             motion.keys.back().frame = 100;
             motion.keys.push_back({101, {1, 0, 0}, {}});
         }
-        ShotRun run("shadows", shot, {.captures = {"known", "proved"}});
+        ShotRun run("shadows_fast", shot, {.captures = {"known", "proved"}});
         run.up_to(39);
         const auto known = run.words("known"), proved = run.words("proved");
         uint64_t certain = 0;
@@ -312,7 +312,7 @@ TEST_F(Budget, WhatMayChangeIsNeverKnownForCertain) {
 
 // After a cut no past knows anything of a pixel: one without a ray has no part in what its cell is sure of.
 TEST_F(Budget, WhoeverHasNoRayAfterACutIsNotTested) {
-    ShotRun run("shadows", shot_named("colonnade", size),
+    ShotRun run("shadows_fast", shot_named("colonnade", size),
                 {{"nodes.pilots.params.rays_per_frame=0.1"}, {"ray_words", "idle_cells"}});
     constexpr uint32_t not_idle = 0x00030001;  // common/shadow_state.glsl
     for (uint32_t frame = 0; frame < 5; ++frame) {
@@ -336,7 +336,7 @@ TEST_F(Budget, WhoeverHasNoRayAfterACutIsNotTested) {
 }
 
 TEST_F(Budget, OfNothingCastsNothing) {
-    ShotRun run("shadows", shot_named("colonnade", size),
+    ShotRun run("shadows_fast", shot_named("colonnade", size),
                 {{"nodes.pilots.params.rays_per_frame=0"}, {"ray_words", "ray_bits", "proved"}});
     for (uint32_t frame = 0; frame < 3; ++frame) {
         run.frame(frame, frame == 0);
@@ -348,7 +348,7 @@ TEST_F(Budget, OfNothingCastsNothing) {
 // A beam's word is worth more than any ray's: what is proved gets none, beside a shadow's edge neither, and
 // is shown as it is, while the others have all of the budget.
 TEST_F(Budget, WhatABeamProvesTakesNoRay) {
-    ShotRun run("shadows", shot_named("lamp", size),
+    ShotRun run("shadows_fast", shot_named("lamp", size),
                 {.captures = {"ray_words", "ray_bits", "proved", "sunward_words", "visibility_words"}});
     const auto seen = run.up_to(5);
     const auto proved = run.words("proved"), bits = run.words("ray_bits"),
@@ -371,7 +371,7 @@ TEST_F(Budget, WhatABeamProvesTakesNoRay) {
 // In a frame of which nothing is known before: a pixel that got n rays, said to be lit by so many of them, as
 // raw.json says with n rays per pixel.
 TEST_F(Budget, FurtherRaysAreThoseOfTheWholeSet) {
-    ShotRun run("shadows", shot_named("colonnade", size),
+    ShotRun run("shadows_fast", shot_named("colonnade", size),
                 {{"nodes.pilots.params.rays_per_frame=4"}, {"ray_words", "ray_bits", "hits"}});
     run.frame(0, true);
     const auto bits = run.words("ray_bits"), hits = run.words("hits");

@@ -153,7 +153,7 @@ TEST_F(LampGather, StraightEdgesAreWorthWhatTheSunsAre) {
             std::array<double, 4> errors{};
             for (const double offset : offsets) {
                 const Edge edge{width, speed, last, offset};
-                errors[0] += 1 / n_eff_inside(edge, ShotRun("shadows", shot_of(edge)).up_to(last));
+                errors[0] += 1 / n_eff_inside(edge, ShotRun("shadows_fast", shot_of(edge)).up_to(last));
                 int i = 0;
                 for (const LightKind kind : {LightKind::disc, LightKind::rectangle, LightKind::sphere})
                     errors[++i] += 1 / n_eff_of({kind, edge}, "light_shadows");
@@ -197,7 +197,7 @@ TEST_F(LampGather, ASquareThatStandsStillIsWorthTwoThirdsOfTheSun) {
     std::array<double, 2> errors{};
     for (const double offset : {0.37, 3.1}) {
         const Edge edge{9, 0, 63, offset};
-        errors[0] += 1 / n_eff_inside(edge, ShotRun("shadows", shot_of(edge)).up_to(63));
+        errors[0] += 1 / n_eff_inside(edge, ShotRun("shadows_fast", shot_of(edge)).up_to(63));
         errors[1] += 1 / n_eff_of({LightKind::rectangle, edge}, "light_shadows");
     }
     EXPECT_LT(errors[1], 1.5 * errors[0]);

@@ -315,7 +315,7 @@ TEST_F(ReportMeasure, AMaskWithoutHistoryDoesNotKnowItsPast) {
     // hybrid_shadows and its presets remember which tiles were left to rays.
     EXPECT_EQ(with, (Names{"fidelityfx", "hybrid_cascades", "hybrid_fidelityfx", "hybrid_shadows",
                            "hybrid_shadows_best", "hybrid_shadows_fast", "one_ray", "shadows", "shadows_best",
-                           "shadows_fast", "sigma"}));
+                           "shadows_fast", "shadows_still", "sigma"}));
     EXPECT_EQ(without[CostMemory::all], (Names{"covered", "many_rays"}));
     EXPECT_EQ(without[CostMemory::frame_before], (Names{"cascades_only"}));
 }

@@ -37,7 +37,7 @@ class ShadowsOfShots : public GpuTest {};
 TEST_F(ShadowsOfShots, StandingStillReachWhatManyRaysSay) {
     const Shot shot = still_shot("trees");
     const Truth truth = truth_of(shot, 0, 400);
-    for (const char* pipeline : {"one_ray", "shadows"}) {
+    for (const char* pipeline : {"one_ray", "shadows_fast"}) {
         SCOPED_TRACE(pipeline);
         const double still = n_eff(shot, truth, {}, pipeline),
                      may_move = n_eff(shot, truth, {{"moves", true}}, pipeline);
@@ -102,7 +102,7 @@ TEST_F(ShadowsOfShots, AnOutlineUnderJitterIsOfWhatItShows) {
         for (size_t i = 0; i < mask.size(); ++i) sum += (mask[i] - exact[i]) * (mask[i] - exact[i]);
         return sum;
     };
-    const double squared = error(jittered(shot, "shadows", moves));
+    const double squared = error(jittered(shot, "shadows_fast", moves));
     EXPECT_TRUE(moves);
     std::printf("squared error: %.3g\n", squared);
     EXPECT_LT(squared, 8) << "of a past per pixel 189";
@@ -119,7 +119,7 @@ TEST_F(ShadowsOfShots, ASunThatTheFloorCutsIsNoChange) {
     shot.sun = {{0, {1, 0.03, 0.2}}};  // 1.7 degrees
     const Facts may_change{{"moves", true}, {"sun_moves", true}};
     const Truth truth = truth_of(shot, 0, 400);
-    for (const char* pipeline : {"one_ray", "shadows"})
+    for (const char* pipeline : {"one_ray", "shadows_fast"})
         EXPECT_GT(n_eff(shot, truth, may_change, pipeline), 80) << pipeline;
 }
 
@@ -141,7 +141,7 @@ class ShadowsOfMovingShots : public GpuTest,
 // Summed squared error: 18 and 21 while the past of a hard edge was taken at its word.
 TEST_P(ShadowsOfMovingShots, DoNotTrustThePastOfAHardEdge) {
     const auto& [shot, most] = GetParam();
-    EXPECT_LT(moving_error(shot_named(shot, {{192, 108}}), "shadows"), most);
+    EXPECT_LT(moving_error(shot_named(shot, {{192, 108}}), "shadows_fast"), most);
 }
 
 INSTANTIATE_TEST_SUITE_P(Shots, ShadowsOfMovingShots,
@@ -173,7 +173,7 @@ TEST_F(ShadowsOfShots, KeepThePastOfWhatMoves) {
                                             {15, node.translation + 15.0 * camera, {}}};
         return shot;
     };
-    for (const char* pipeline : {"shadows_fast", "one_ray"}) {
+    for (const char* pipeline : {"shadows_still", "one_ray"}) {
         const double still = moving_error(shot_going({0, 0, 0}, {0, 0, 0}), pipeline);
         for (const glm::dvec3 way : {glm::dvec3(0, 0, -0.8), {0, -0.2, -0.8}})
             EXPECT_LT(moving_error(shot_going(way, way), pipeline), 1.1 * still) << pipeline << way.y;
@@ -212,7 +212,7 @@ TEST_F(ShadowsOfShots, AreRightOfPolesThatArePixelsWide) {
         file, {96, 54},
         {{0, {-0.25, 0, 6}, {-0.25, 0, 0}, {0, 1, 0}}, {15, {0.4, 0, 6}, {0.4, 0, 0}, {0, 1, 0}}},
         {0.7, 0.5, 1});
-    for (const char* pipeline : {"shadows", "shadows_fast"})
+    for (const char* pipeline : {"shadows_fast", "shadows_still"})
         EXPECT_LT(moving_error(shot, pipeline), 0.01) << pipeline;
 }
 
@@ -231,7 +231,7 @@ TEST_F(ShadowsOfShots, KeepTheLightOfSpecksBeforeAWallInShadow) {
     const SceneFile file("specks.glb", to_glb(model));
     Shot shot = under_a_small_sun(file, {192, 108}, {{0, {0, 0, 7}, {0, 0, 0}, {0, 1, 0}}}, {0, 1, 1});
     shot.objects["specks"].keys = {{0, {0, 0, 0}, {}}, {15, {5.8, 0, 0}, {}}};
-    EXPECT_LT(moving_error(shot, "shadows"), 0.1);
+    EXPECT_LT(moving_error(shot, "shadows_fast"), 0.1);
 }
 
 // Kerbs that keep the sun from less than a pixel before them, below a camera that rises: the row of pixels at
@@ -248,7 +248,7 @@ TEST_F(ShadowsOfShots, SeeTheShadowAtTheFootOfAKerb) {
     const Shot shot = under_a_small_sun(
         file, {192, 108}, {{0, {0, 2, 5}, {0, 0, 0}, {0, 1, 0}}, {15, {0, 2.1, 5}, {0, 0.1, 0}, {0, 1, 0}}},
         {0, 1, -1});
-    EXPECT_LT(moving_error(shot, "shadows"), 10);  // 214 where a past beside a kerb is one of a plane
+    EXPECT_LT(moving_error(shot, "shadows_fast"), 10);  // 214 where a past beside a kerb is one of a plane
 }
 
 // A strip of road two rows high, seen through a slit in what turns its back to the sun. A shadow comes in
@@ -263,7 +263,7 @@ TEST_F(ShadowsOfShots, SeeWhatComesFromBehindWhatHasNoRays) {
     const SceneFile file("slit.glb", to_glb(model));
     Shot shot = under_a_small_sun(file, {192, 108}, {{0, {0, 2, 5}, {0, 0, -5}, {0, 1, 0}}}, {0, 1, -1});
     shot.objects["roof"].keys = {{14, {0, 0, 0}, {}}, {15, {0, 0, 1.1}, {}}};
-    EXPECT_LT(moving_error(shot, "shadows"), 1);  // 192 where it waits for a turn
+    EXPECT_LT(moving_error(shot, "shadows_fast"), 1);  // 192 where it waits for a turn
 }
 
 }  // namespace

@@ -60,7 +60,7 @@ TEST_F(Shadows, HaveMoreOfABudgetThanOfSingleRays) {
     EXPECT_GT(n_eff({.width_px = 8, .last = 0}, "shadows_best"), 150);
     for (const double speed : {-4.0, 0.5}) {
         SCOPED_TRACE(speed);
-        EXPECT_GT(n_eff({.width_px = 1, .speed_px = speed, .last = 24}, "shadows"), 4);
+        EXPECT_GT(n_eff({.width_px = 1, .speed_px = speed, .last = 24}, "shadows_fast"), 4);
         EXPECT_GT(n_eff({.width_px = 1, .speed_px = speed, .last = 24}, "shadows_best"), 40);
         EXPECT_GT(n_eff({.width_px = 8, .speed_px = speed, .last = 24}, "shadows_best"), 120);
         EXPECT_GT(n_eff({.width_px = 32, .speed_px = speed, .last = 24}, "shadows_best"), 300);
@@ -72,7 +72,7 @@ TEST_F(Shadows, HaveMoreOfABudgetThanOfSingleRays) {
 // the sun's middle; rounding taken for a past that is wrong; a frame of n rays counting more than n frames.
 TEST_F(Shadows, HaveNoBiasWhereAnEdgeStandsStill) {
     for (const double width : {4.0, 8.0, 16.0}) {
-        const double n = n_eff({.width_px = width}, "shadows");
+        const double n = n_eff({.width_px = width}, "shadows_fast");
         std::printf("%g px: %.4g\n", width, n);
         EXPECT_GT(n, width == 4.0 ? 3000 : 5200) << width;
     }
@@ -105,7 +105,7 @@ TEST_F(Shadows, AreSoftenedBelowARadiusOfFourPixels) {
 
 TEST_F(Shadows, AreAsGoodAtTheBordersAsInside) {
     const Edge edge{.width_px = 32, .last = 31};
-    const std::vector<float> image = ShotRun("shadows", shot_of(edge), {.seed = 3}).up_to(edge.last);
+    const std::vector<float> image = ShotRun("shadows_fast", shot_of(edge), {.seed = 3}).up_to(edge.last);
     const auto border = [&](size_t i) {
         return i / edge.size[0] < 8 || i / edge.size[0] >= edge.size[1] - 8;
     };
@@ -116,14 +116,14 @@ TEST_F(Shadows, AreAsGoodAtTheBordersAsInside) {
 TEST_F(Shadows, AreExactWhereNothingIsUncertain) {
     for (const double offset : {-400.0, 400.0}) {
         const Edge edge{.width_px = 8, .last = 3, .offset_px = offset, .size = {203, 61}};
-        const std::vector<float> image = ShotRun("shadows", shot_of(edge)).up_to(3);
+        const std::vector<float> image = ShotRun("shadows_fast", shot_of(edge)).up_to(3);
         for (const float v : image) ASSERT_EQ(v, offset < 0 ? 1.0f : 0.0f);
     }
 }
 
 TEST_F(Shadows, ForgetEverythingOnAReset) {
     const Edge edge{.width_px = 16, .speed_px = 1, .last = 8};
-    ShotRun warm("shadows", shot_of(edge)), cold("shadows", shot_of(edge));
+    ShotRun warm("shadows_fast", shot_of(edge)), cold("shadows_fast", shot_of(edge));
     warm.up_to(7);
     EXPECT_TRUE(warm.frame(8, true) == cold.frame(8, true));
 }
@@ -131,7 +131,7 @@ TEST_F(Shadows, ForgetEverythingOnAReset) {
 // A first frame without the reset flag reads what the memory happens to hold.
 TEST_F(Shadows, TakeGarbageForNoHistory) {
     const Edge edge{.width_px = 16, .last = 4};
-    ShotRun clean("shadows", shot_of(edge), {.poison = 0}), poisoned("shadows", shot_of(edge), {.poison = 1});
+    ShotRun clean("shadows_fast", shot_of(edge), {.poison = 0}), poisoned("shadows_fast", shot_of(edge), {.poison = 1});
     for (uint32_t index = 0; index <= edge.last; ++index) {
         SCOPED_TRACE(index);
         EXPECT_TRUE(clean.frame(index, index == 0) == poisoned.frame(index, false));

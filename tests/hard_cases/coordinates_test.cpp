@@ -80,7 +80,7 @@ TEST_F(HardCase, TheOriginIsNowhereToBeSeen) {
     const auto image = [](double distance) {
         Shot shot = plaza_shot({wide.width, wide.height}, 6);
         shot.origin = {distance, 0, -distance};
-        return ShotRun("shadows", shot).up_to(5);
+        return ShotRun("shadows_fast", shot).up_to(5);
     };
     const std::vector<float> here = image(0);
     for (const double distance : {1e3, 1e6, 1e7}) {
@@ -111,8 +111,8 @@ TEST_F(HardCase, VerticesFarFromTheOriginCastWhatTheyCastNearIt) {
         key.position += far;
         key.target += far;
     }
-    const std::vector<float> expected = ShotRun("shadows", here).up_to(7),
-                             image = ShotRun("shadows", there).up_to(7);
+    const std::vector<float> expected = ShotRun("shadows_fast", here).up_to(7),
+                             image = ShotRun("shadows_fast", there).up_to(7);
     EXPECT_GT(count_if(expected, [](float v) { return v < 0.1f; }), 150u);
     // Naive: a pixel's point in absolute coordinates of single precision is off by up to half their unit.
     const double unit_m = double(std::nextafter(1048576.0f, 1e9f)) - 1048576, pixel_m = 5.7 * 1.155 / 96;
@@ -240,7 +240,7 @@ TEST_F(HardCase, ATurnRoundLeavesNoHistory) {
     // Which tiles were proved is remembered by their places, which is no history of what is seen: all are
     // asked here.
     const RunOptions asks_all{.settings = {"nodes.beams.in.proved_before=null"}};
-    ShotRun warm("shadows", shot, asks_all), cold("shadows", shot, asks_all);
+    ShotRun warm("shadows_fast", shot, asks_all), cold("shadows_fast", shot, asks_all);
     warm.up_to(3);
     const std::vector<float> turned = warm.frame(4, false), fresh = cold.frame(4, true);
     EXPECT_EQ(nonfinite(turned), 0u);
@@ -298,11 +298,11 @@ std::vector<float> scaled_scene(double scale, const std::string& pipeline, const
 TEST_F(HardCase, TheUnitOfLengthIsNowhereToBeSeen) {
     // Naive: lengths in metres, for a ray's start (0.1 mm, 4 cm) and for the filters' depth (1 m).
     const RunOptions absolute{.settings = {"nodes.trace.params.origin=published"}};
-    const std::vector<float> metres = scaled_scene(1, "shadows", {}),
+    const std::vector<float> metres = scaled_scene(1, "shadows_fast", {}),
                              absolute_metres = scaled_scene(1, "fidelityfx", absolute);
     for (const double scale : {1e-3, 1e3}) {
         const double naive = rms(absolute_metres, scaled_scene(scale, "fidelityfx", absolute));
-        const double ours = rms(metres, scaled_scene(scale, "shadows", {}));
+        const double ours = rms(metres, scaled_scene(scale, "shadows_fast", {}));
         figure(("case 9, RMSE against metres at " + std::to_string(scale)).c_str(), naive, ours);
         EXPECT_LT(ours, 1.0 / 255);
         EXPECT_GT(naive, 2.0 / 255);

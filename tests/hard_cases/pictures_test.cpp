@@ -41,7 +41,7 @@ TEST_F(HardCase, NoContrastIsAdded) {
         }
         return largest_bias(mean, truth, 96, 64);
     };
-    const double naive = bias("fidelityfx"), ours = bias("shadows");
+    const double naive = bias("fidelityfx"), ours = bias("shadows_fast");
     figure("case 52, largest bias of 9x9 pixels, frame 31, mean of 4 seeds", naive, ours);
     EXPECT_LT(ours, 0.01);
     EXPECT_GT(naive, 0.04);
@@ -51,7 +51,7 @@ TEST_F(HardCase, AShadowSeenEightStopsUpHasNoSteps) {
     const Shot shot = edge_shot(64, 17, {96, 64}, 32);
     const auto step = [&](const char* format) {
         const RunOptions options{.settings = {std::string("resources.visibility.format=") + format}};
-        const std::vector<float> v = ShotRun("shadows", shot, options).up_to(31);
+        const std::vector<float> v = ShotRun("shadows_fast", shot, options).up_to(31);
         std::set<float> dark;  // the part that is seen at + 8 stops
         for (const float x : v)
             if (x < 0.125f) dark.insert(x);
@@ -77,7 +77,7 @@ TEST_F(HardCase, ABrightSunsPenumbraIsAsBrightAsItIs) {
     const auto error = [&](std::vector<std::string> more) {
         RunOptions options{.settings = bright, .captures = {"color", "lit"}};
         options.settings.insert(options.settings.end(), more.begin(), more.end());
-        ShotRun run("shadows", shot, options);
+        ShotRun run("shadows_fast", shot, options);
         std::vector<double> mean(truth.size(), 0);
         for (uint32_t frame = 0; frame < 40; ++frame) {
             run.frame(frame, frame == 0);

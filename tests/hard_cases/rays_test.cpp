@@ -134,10 +134,10 @@ TEST_F(HardCase, AContactShadowOfOnePixelSurvivesTheDenoiser) {
     for (const uint32_t frames : {1u, 8u, 16u}) {
         const std::string after = " after frames: " + std::to_string(frames);
         figure(("case 56, brightest pixel of a contact shadow" + after).c_str(),
-               brightest("fidelityfx", frames), brightest("shadows", frames));
+               brightest("fidelityfx", frames), brightest("shadows_fast", frames));
         figure(("case 56, of the rays" + after).c_str(), NAN, brightest("raw", frames));
     }
-    const float naive = brightest("fidelityfx", 16), ours = brightest("shadows", 16);
+    const float naive = brightest("fidelityfx", 16), ours = brightest("shadows_fast", 16);
     EXPECT_LT(ours, 0.1);
     EXPECT_GT(naive, 0.1);
 }

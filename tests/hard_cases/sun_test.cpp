@@ -34,7 +34,7 @@ TEST_F(HardCase, ASunOnAnAxisIsASunLikeAnyOther) {
         for (const glm::dvec3& off : {glm::dvec3(0), {ulp, 0, 0}, {0, -ulp, 0}, {0, 0, -ulp}}) {
             ++suns;
             naive += !naive_frame_is_finite(glm::vec3(axis + off));
-            ShotRun run("shadows", under(axis + off), {.captures = {"color"}});
+            ShotRun run("shadows_fast", under(axis + off), {.captures = {"color"}});
             EXPECT_EQ(nonfinite(run.up_to(1)), 0u);
             EXPECT_EQ(nonfinite(run.plane("color")), 0u);
         }
@@ -86,7 +86,7 @@ TEST_F(HardCase, ASunOfATenthOfAMicroradianCastsTheHardShadow) {
     Shot disc = plaza_shot({160, 96}, 8), point = plaza_shot({160, 96}, 8);
     disc.sun_angular_radius_deg = glm::degrees(1e-7);
     point.sun_angular_radius_deg = 0;
-    ShotRun raw("raw", disc), hard("raw", point), soft("shadows", disc);
+    ShotRun raw("raw", disc), hard("raw", point), soft("shadows_fast", disc);
     size_t differ = 0, blurred = 0, pixels = 0;
     for (uint32_t frame = 0; frame < 8; ++frame) {
         const std::vector<float> a = raw.frame(frame, frame == 0), b = hard.frame(frame, frame == 0),

@@ -27,7 +27,7 @@ struct Jump {
 Jump jump(const Shot& shot, uint32_t at, uint32_t frames) {
     const std::vector<float> before = truth_of(shot, at - 1, 64).visibility,
                              after = truth_of(shot, at, 64).visibility;
-    ShotRun run("shadows", shot), rays("raw", shot);
+    ShotRun run("shadows_fast", shot), rays("raw", shot);
     std::vector<float> average;
     double whole = 0;
     for (size_t i = 0; i < before.size(); ++i) whole += std::abs(before[i] - after[i]) > 0.5f;
@@ -213,7 +213,7 @@ TEST_F(HardCase, TheNoiseTileDoesNotRepeat) {
                     std::vector<float>& n = noise[frame != 0];
                     n.resize(image.size());
                     for (size_t i = 0; i < n.size(); ++i) n[i] = image[i] - n[i];
-                    if (pipeline == std::string_view("shadows") && c.along[1] == 0 && seed == 0) {
+                    if (pipeline == std::string_view("shadows_fast") && c.along[1] == 0 && seed == 0) {
                         EXPECT_LT(rms(image, truth), frame == 0 ? 1.0 / 32 : 1.0 / 128);
                         figure("case 44, error of shadows after frame", frame, rms(image, truth));
                     }
@@ -232,7 +232,7 @@ TEST_F(HardCase, TheNoiseTileDoesNotRepeat) {
         };
         for (const Repetition& r : judge("raw", {.settings = {"nodes.trace.params.sampling=published"}}))
             EXPECT_GT(r.at_tile, 0.9);
-        for (const char* pipeline : {"raw", "shadows"})
+        for (const char* pipeline : {"raw", "shadows_fast"})
             for (const Repetition& r : judge(pipeline))
                 EXPECT_LT(std::abs(r.at_tile), 3 * r.elsewhere) << pipeline;
     }
@@ -357,7 +357,7 @@ TEST_F(HardCase, ASlowPanBlursNoHistory) {
         const auto on_floor = [&](size_t i) { return std::abs(z[i] - height) < 0.01 && i % 128 < 96; };
         return n_eff(image, truth, on_floor);
     };
-    const double still = score("shadows", 0), slow = score("shadows", 0.5), whole = score("shadows", 1);
+    const double still = score("shadows_fast", 0), slow = score("shadows_fast", 0.5), whole = score("shadows_fast", 1);
     const double naive_still = score("fidelityfx", 0), naive_slow = score("fidelityfx", 0.5);
     figure("case 51, N_eff still", naive_still, still);
     figure("case 51, N_eff at one pixel a frame", NAN, whole);
@@ -394,10 +394,10 @@ TEST_F(HardCase, AFenceThinnerThanAPixelDoesNotFlicker) {
     // jitter.)
     const double naive = flicker("fidelityfx", true, false), ours = flicker("hybrid_shadows", true, false);
     figure("case 55, flicker of the colour under jitter, still scene", naive, ours);
-    const double naive_moves = flicker("fidelityfx", true, true), ours_moves = flicker("shadows", true, true);
+    const double naive_moves = flicker("fidelityfx", true, true), ours_moves = flicker("shadows_fast", true, true);
     figure("case 55, the same, a scene that may move", naive_moves, ours_moves);
     figure("case 55, the same without jitter", flicker("fidelityfx", false, true),
-           flicker("shadows", false, true));
+           flicker("shadows_fast", false, true));
     EXPECT_LT(ours, 0.75 * naive);
     EXPECT_LT(ours_moves, 0.75 * naive_moves);
 }
