@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # Judges settings and constants on the tuning shots (docs/scenes.md), which no report shows: effective samples per pixel, root
 # mean square error and CPU milliseconds of the mask, per shot and in the mean.
-#   scripts/tune.sh                                    pipelines/shadows.json as it is
+#   scripts/tune.sh                                    pipelines/shadows_fast.json as it is
 #   scripts/tune.sh 'few: --constant FEWEST=1.5' 'wide: --set nodes.gather.params.radius=5' 'covered: pipelines/covered.json'
 #   scripts/tune.sh --constants [NAME...]              halves and doubles the numbers of docs/constants.md, with the pipeline that each
 #                                                      table there names, and writes there what that does (all of them, or those named)
@@ -11,7 +11,7 @@
 # Columns: first = frame 0, without a past; moving = frames 4 to 28 (--constants: 8, 16, 24), harmonic mean; still = frame 31 of the
 # same shot with nothing that moves. Over shots: geometric mean. CPU milliseconds: of all passes but the guides.
 # FOLDER (scenes/tuning; held-out shots of another seed lie in one of yours), SHOTS (a pattern, '*'), SIZE (320x180), SEEDS ("0"),
-# RAYS (512, of the reference, which is kept in out/tuning), PIPELINE (pipelines/shadows.json; of --constants, instead of those that the
+# RAYS (512, of the reference, which is kept in out/tuning), PIPELINE (pipelines/shadows_fast.json; of --constants, instead of those that the
 # tables name), OPTIONS (for all contenders), TABLE (docs/constants.md), JOBS (2, of --constants, which measures no time), PRESET (release) and PENUMBRA may be set; VK_DRIVER_FILES
 # chooses the driver.
 set -euo pipefail
@@ -30,7 +30,7 @@ import concurrent.futures, glob, hashlib, json, math, os, re, shlex, shutil, sub
 preset = os.environ.get("PRESET", "release")
 penumbra = os.environ.get("PENUMBRA", f"build/{preset}/app/penumbra")
 size, rays = os.environ.get("SIZE", "320x180"), os.environ.get("RAYS", "512")
-base_pipeline = os.environ.get("PIPELINE", "pipelines/shadows.json")
+base_pipeline = os.environ.get("PIPELINE", "pipelines/shadows_fast.json")
 table_file = os.environ.get("TABLE", "docs/constants.md")
 seeds = os.environ.get("SEEDS", "0").split()
 every, last, still_frame = (8, 24, 31) if "--constants" in sys.argv else (4, 28, 31)

@@ -14,7 +14,7 @@
 namespace penumbra::test {
 
 struct SoakOptions {
-    std::string pipeline = "shadows";
+    std::string pipeline = "shadows_fast";
     uint32_t frames = 2000;
     std::array<uint32_t, 2> size{64, 48};
     double width_px = 12;  // of the penumbra

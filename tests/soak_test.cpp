@@ -31,7 +31,7 @@ TEST_P(SoakRun, LosesNothingIn2000Frames) {
     EXPECT_LT(result.left, 0.1) << "the jump is not followed";
 }
 
-INSTANTIATE_TEST_SUITE_P(Pipelines, SoakRun, ::testing::Values("one_ray", "shadows"),
+INSTANTIATE_TEST_SUITE_P(Pipelines, SoakRun, ::testing::Values("one_ray", "shadows_fast"),
                          [](const auto& test) { return std::string(test.param); });
 
 class SoakLimits : public GpuTest {};
