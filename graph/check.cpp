@@ -147,20 +147,25 @@ class Checker {
     void find_with(const PipelineNode& node, BoundNode& bound) {
         if (node.with.empty()) return;
         const std::string path = "nodes." + node.id + ".with";
-        std::vector<std::string> optional;
-        for (uint32_t i = 0; i < result_.inputs.size(); ++i) {
-            const HostInput& input = result_.inputs[i];
-            if (input.optional) optional.push_back(input.name);
-            if (input.name != node.with) continue;
-            bound.with = i;
-            if (!input.optional)
-                error(node.with_place, path,
-                      fmt::format("the host never leaves out \"{}\": give the input \"optional\": true",
-                                  node.with));
-        }
-        if (!bound.with)
+        const auto input = std::ranges::find(result_.inputs, node.with, &HostInput::name);
+        if (input == result_.inputs.end())
+            return error(node.with_place, path,
+                         fmt::format("no input \"{}\"{}", node.with, nearest_optional(node.with)));
+        bound.with = static_cast<uint32_t>(input - result_.inputs.begin());
+        if (!input->optional)
             error(node.with_place, path,
-                  fmt::format("no input \"{}\"{}", node.with, did_you_mean(node.with, optional)));
+                  fmt::format("the host never leaves out \"{}\": give the input \"optional\": true",
+                              node.with));
+    }
+
+    std::string nearest_optional(const std::string& name) {
+        if (!near_optional_) {
+            std::vector<std::string> names;
+            for (const HostInput& input : result_.inputs)
+                if (input.optional) names.push_back(input.name);
+            near_optional_.emplace(std::move(names));
+        }
+        return near_optional_->nearest(name);
     }
 
     void check_ports(const PipelineNode& node, const NodeType& type, const std::vector<Wire>& wires,
@@ -374,7 +379,7 @@ class Checker {
     std::vector<const PipelineNode*> sources_;  // of result_.nodes
     NodesById nodes_by_id_;
     std::map<std::string, uint32_t> ids_;
-    std::optional<Suggestions> near_names_, near_written_;
+    std::optional<Suggestions> near_names_, near_written_, near_optional_;
     Dataflow flow_{result_, pipeline_, {}, {}, nullptr};
     bool unknown_type_ = false;
 };

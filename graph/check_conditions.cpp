@@ -79,6 +79,9 @@ class Conditions {
                                            type.name, name, did_you_mean(name, names))};
         }
         const auto i = static_cast<size_t>(param - type.params.begin());
+        const auto chooses = [&](const Port& port) { return port.bundle && port.bundle->param == name; };
+        if (std::ranges::any_of(type.ports, chooses) && node.params[i] == ParamValue(std::string("auto")))
+            return {.problem = fmt::format("\"{}.{}\" depends on the device where it is \"auto\"", id, name)};
         const bool by_class = type.cpu.params.contains(name) || type.gpu.params.contains(name);
         if (by_class && !node.set[i])
             return {.problem = fmt::format(

@@ -10,6 +10,7 @@
 #include <map>
 #include <numeric>
 #include <set>
+#include <span>
 #include <string_view>
 
 namespace penumbra {
@@ -52,6 +53,7 @@ class DataflowChecker {
     DataflowChecker(const Dataflow& dataflow, Diagnostics& diagnostics)
         : dataflow_(dataflow), nodes_(dataflow.pipeline.nodes), diagnostics_(diagnostics) {
         updaters_.resize(dataflow_.resources.size());
+        contested_.resize(dataflow_.resources.size());
         for (const ResourceUse& use : dataflow_.resources)
             for (const PortUse& writer : use.writers)
                 if (const BoundPort* updated = dataflow_.updated(writer);
@@ -64,7 +66,7 @@ class DataflowChecker {
     std::vector<Edge> run() {
         for (const uint32_t id : dataflow_.by_name) {
             const ResourceUse& use = dataflow_.resources[id];
-            check_single_writer(use.name, use);
+            check_single_writer(id, use);
             check_presence(use.name, use);
             check_updates(id, use);
         }
@@ -88,7 +90,8 @@ class DataflowChecker {
         diagnostics_.add(use.bound->place, use.path, std::move(message));
     }
 
-    void check_single_writer(const std::string& name, const ResourceUse& use) {
+    void check_single_writer(uint32_t id, const ResourceUse& use) {
+        const std::string& name = use.name;
         for (size_t i = 0; i < use.writers.size(); ++i) {
             if (use.host)
                 error(use.writers[i], fmt::format("\"{}\" is a host input; a node cannot write it", name));
@@ -96,6 +99,7 @@ class DataflowChecker {
             // errors.
             for (size_t j = 0; j < i; ++j)
                 if ((use.writers[i].bound->cases & use.writers[j].bound->cases).any()) {
+                    contested_[id] = true;
                     error(
                         use.writers[i],
                         fmt::format(
@@ -116,6 +120,7 @@ class DataflowChecker {
         FactCases left_out;
         std::optional<uint32_t> input;
         for (const PortUse& writer : use.writers) {
+            if (needed.none()) return std::nullopt;
             if (!with(writer) || with(writer) == reader_with) {
                 needed &= ~writer.bound->cases;
                 continue;
@@ -133,18 +138,23 @@ class DataflowChecker {
     // In which cases its name must be there: an optional one's beside the inputs that want it.
     FactCases needed(const PortUse& reader) const {
         if (!reader.bound->port->optional) return reader.bound->cases;
-        FactCases beside;
-        for (const uint32_t other : reader.bound->port->with)
-            if (const BoundPort& bound = nodes_[reader.node].ports[other]; bound.resource != no_resource)
-                beside |= bound.cases;
-        return reader.bound->cases & beside;
+        FactCases wanted;
+        for (const BoundPort* bound : bound_beside(reader)) wanted |= bound->cases;
+        return reader.bound->cases & wanted;
     }
 
     std::string beside(const PortUse& reader) const {
+        const auto bound = bound_beside(reader);
+        return bound.empty() ? "" : fmt::format(" beside \"{}\"", bound.front()->port->name);
+    }
+
+    // Of the inputs that want it those that are bound.
+    std::vector<const BoundPort*> bound_beside(const PortUse& reader) const {
+        std::vector<const BoundPort*> beside;
         for (const uint32_t other : reader.bound->port->with)
             if (const BoundPort& bound = nodes_[reader.node].ports[other]; bound.resource != no_resource)
-                return fmt::format(" beside \"{}\"", bound.port->name);
-        return {};
+                beside.push_back(&bound);
+        return beside;
     }
 
     // Whether the reader is left out where the input is.
@@ -192,6 +202,7 @@ class DataflowChecker {
                 updaters.begin(), updaters.begin() + i,
                 [&](const PortUse* other) { return (updater.bound->cases & other->bound->cases).any(); });
             if (rival != updaters.begin() + i) {
+                contested_[id] = true;
                 error(updater, fmt::format("\"{}\" is also updated by {}; a name has one updater", name,
                                            (*rival)->path));
                 continue;  // what follows has been said of the rival
@@ -255,11 +266,16 @@ class DataflowChecker {
         };
         for (const uint32_t id : dataflow_.by_name) {
             const ResourceUse& use = dataflow_.resources[id];
+            // Of ten thousand that are one too many, and ten thousand readers, all waits would fill the
+            // memory.
+            const size_t most = contested_[id] ? 1 : ~size_t{0};
+            const auto writers = std::span(use.writers).first(std::min(most, use.writers.size()));
+            const auto updaters = std::span(updaters_[id]).first(std::min(most, updaters_[id].size()));
             for (const PortUse& reader : use.readers) {
                 if (reader.bound->previous) continue;
-                for (const PortUse& writer : use.writers) add(writer, reader, reader);
+                for (const PortUse& writer : writers) add(writer, reader, reader);
                 if (updates(reader.node, id)) continue;  // a second updater is an error of its own
-                for (const PortUse* updater : updaters_[id]) add(reader, *updater, *updater);
+                for (const PortUse* updater : updaters) add(reader, *updater, *updater);
             }
         }
         return waits;
@@ -372,6 +388,7 @@ class DataflowChecker {
     const std::vector<BoundNode>& nodes_;
     Diagnostics& diagnostics_;
     std::vector<std::vector<const PortUse*>> updaters_;  // by resource: who takes over its memory
+    std::vector<bool> contested_;  // by resource: more write or update it than may, which has been said
     std::map<std::string_view, const OutputName*> outputs_;
 };
 

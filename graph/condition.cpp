@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <array>
+#include <charconv>
 #include <utility>
 
 #include "graph/json_reader.h"
@@ -92,13 +93,22 @@ std::optional<std::string> parse_atom(std::string_view text, const Domain& domai
     return std::nullopt;  // a declaration's own parameter, which settle() looks for
 }
 
+// Whether two texts are one value, as 1 and 1.0.
+bool same_value(const std::string& a, const std::string& b) {
+    double x = 0, y = 0;
+    const auto number = [](const std::string& text, double& value) {
+        return std::from_chars(text.data(), text.data() + text.size(), value).ec == std::errc();
+    };
+    return a == b || (number(a, x) && number(b, y) && x == y);
+}
+
 // Both cannot hold, whatever the facts and parameters are.
 bool contradict(const Atom& a, const Atom& b) {
     if (a.node != b.node || a.name != b.name) return false;
     Atom opposite = b;
     opposite.negated = !b.negated;
     const bool two_values =
-        a.relation == Relation::equal && b.relation == Relation::equal && a.value != b.value;
+        a.relation == Relation::equal && b.relation == Relation::equal && !same_value(a.value, b.value);
     return a == opposite || (two_values && !a.negated && !b.negated);
 }
 

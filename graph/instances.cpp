@@ -75,42 +75,48 @@ class Writer {
 
     // Few members of few nodes are many together, in a text of a few kilobytes.
     bool too_many() {
-        constexpr size_t most = 100'000;
-        size_t written = 0;
-        const auto count = [&](const std::string& family) {
-            if (const auto found = members_.find(family); found != members_.end())
-                written += found->second.size();
+        constexpr size_t most = 100'000, most_parts = 1'000'000;
+        size_t written = 0, parts = 0;
+        const auto count = [&](const std::string& family, size_t parts_each = 0) {
+            const auto found = members_.find(family);
+            if (found == members_.end()) return;
+            written += found->second.size();
+            parts += found->second.size() * parts_each;
         };
         for (const PipelineNode& node : pipeline_.nodes) {
-            count(node.instances);
+            count(node.instances, node.params.size() + node.in.size() + node.out.size());
             if (!node.instances.empty()) nodes_of_[node.instances].push_back(&node);
         }
         for (const HostInput& input : pipeline_.inputs) count(input.instances);
         for (const ResourceSetting& setting : pipeline_.resources) count(family_of(setting.name));
         for (const OutputName& output : pipeline_.outputs) count(family_of(output.name));
-        if (written <= most) return false;
-        error(
-            pipeline_.instances.front().place, "instances",
-            fmt::format("stand for {} nodes, inputs, resources and outputs: {} are the most", written, most));
-        return true;
+        const auto refuse = [&](size_t many, const char* what, size_t allowed) {
+            error(pipeline_.instances.front().place, "instances",
+                  fmt::format("stand for {} {}: {} are the most", many, what, allowed));
+        };
+        if (written > most) refuse(written, "nodes, inputs, resources and outputs", most);
+        if (parts > most_parts) refuse(parts, "parameters and wires", most_parts);
+        return written > most || parts > most_parts;
     }
 
     // Every family that is named has members, and every member a family; facts are the domain's.
     void check_families() {
         std::set<std::string> named;
+        std::vector<std::string> families;
+        for (const auto& [name, members] : members_) families.push_back(name);
+        Suggestions near_families(std::move(families));
         const auto use = [&](const std::string& family, const Place& place, const std::string& path) {
             if (family.empty()) return;
             named.insert(family);
             if (members_.contains(family)) return;
-            std::vector<std::string> families;
-            for (const auto& [name, members] : members_) families.push_back(name);
             error(place, path + ".instances",
-                  fmt::format("no instance is of \"{}\"{}", family, did_you_mean(family, families)));
+                  fmt::format("no instance is of \"{}\"{}", family, near_families.nearest(family)));
         };
         for (const HostInput& input : pipeline_.inputs)
             use(input.instances, input.instances_place, "inputs." + input.name);
         for (const PipelineNode& node : pipeline_.nodes)
             use(node.instances, node.instances_place, "nodes." + node.id);
+        Suggestions near_named(std::vector(named.begin(), named.end()));
         std::set<std::string> names;
         for (const PipelineInstance& instance : pipeline_.instances) {
             const std::string path = "instances." + instance.name;
@@ -119,7 +125,7 @@ class Writer {
             if (!named.contains(instance.family))
                 error(instance.place, path,
                       fmt::format("no input and no node is of the family \"{}\"{}", instance.family,
-                                  did_you_mean(instance.family, std::vector(named.begin(), named.end()))));
+                                  near_named.nearest(instance.family)));
             for (const auto& [fact, value] : instance.facts)
                 if (auto problem = fact_problem(*set_.domain(), fact))
                     error(value.place, fmt::format("{}.facts.{}", path, fact), std::move(*problem));

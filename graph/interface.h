@@ -99,8 +99,11 @@ const Bundle::Backend& backend_of(const Variant& variant, const Bundle& bundle);
 bool is_variant_output(const NodeType& type, const Port& port);
 // The key of ShaderVariants: "filtered=r8,history=1"; "" if there is no choice.
 std::string to_string(const Variant& variant);
-// Every variant that some parameters and facts ask for.
+// How many sets of parameters' values its conditions of outputs can tell apart.
+size_t compared_values(const NodeType& type);
+// Every variant that some parameters and facts ask for; of more than max_variants_made, more than that.
 std::vector<Variant> all_variants(const NodeType& type);
+inline constexpr size_t max_variants_made = 1000;
 
 // The text that `#include "node.glsl"` stands for.
 std::string generate_glsl(const NodeType& type, const Variant& variant);

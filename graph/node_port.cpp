@@ -14,6 +14,7 @@ namespace penumbra {
 namespace {
 
 constexpr ptrdiff_t max_variants = 16;  // besides those with rows
+constexpr size_t max_compared = 1000;
 
 void read_formats(const ObjectReader& reader, Port& port) {
     const auto integer = [](Format format) { return info(format).kind == FormatClass::uint; };
@@ -208,6 +209,10 @@ class Linker {
                                   info(format).name));
         if (source->levels)
             error(port, "updates", fmt::format("\"{}\" is a mip chain, which is only sampled", source->name));
+        else if (source->kind == PortKind::image && !source->storage && !type_.host)
+            error(
+                port, "updates",
+                fmt::format("\"{}\" is only sampled; what is written is \"as\": \"storage\"", source->name));
         port.formats = source->formats;
         port.element = source->element;
         port.layers = source->layers;
@@ -305,13 +310,20 @@ class Linker {
         for (const Port& port : type_.ports)
             if (const Param* choice = port.bundle ? type_.param(port.bundle->param) : nullptr)
                 check_backends(*port.bundle, *choice);
-        if (diagnostics_.size() != errors_) return;
+        if (diagnostics_.size() != errors_ || type_.host) return;
+        if (compared_values(type_) > max_compared)
+            return diagnostics_.add(
+                type_.place, "",
+                fmt::format("the conditions of outputs tell more than {} sets of values apart",
+                            max_compared));
+        constexpr ptrdiff_t most_made = max_variants_made;
         const auto variants = std::ranges::count(all_variants(type_), false, &Variant::rows);
         if (variants > max_variants)
             diagnostics_.add(type_.place, "",
-                             fmt::format("formats, optional outputs and backends make {} shader variants; at "
-                                         "most {} are allowed",
-                                         variants, max_variants));
+                             fmt::format("formats, optional outputs and backends make {}{} shader variants; "
+                                         "at most {} are allowed",
+                                         variants > most_made ? "more than " : "",
+                                         std::min(variants, most_made), max_variants));
     }
 
     // The backend is chosen with the device in hand, after ports and conditions.
@@ -322,14 +334,18 @@ class Linker {
             return std::ranges::find(known, v) != known.end();
         };
         const std::string path = "params." + choice.name;
+        const auto decides = [&](const auto& port_or_table) {
+            return asks_for(port_or_table.condition, choice.name);
+        };
         if (choice.type != ParamType::enumeration || !choice.constant ||
             !std::ranges::all_of(choice.values, is_known))
             diagnostics_.add(choice.place, path,
                              fmt::format("beside a {} port this is a constant enum with values of {}",
                                          bundle.kind, join(known)));
-        else if (std::ranges::any_of(type_.ports,
-                                     [&](const Port& port) { return asks_for(port.condition, choice.name); }))
+        else if (std::ranges::any_of(type_.ports, decides))
             diagnostics_.add(choice.place, path, "it may vary with the device, so no port can exist by it");
+        else if (std::ranges::any_of(type_.tables, decides))
+            diagnostics_.add(choice.place, path, "it may vary with the device, so no table can exist by it");
     }
 
     const Json& declaration_;
@@ -349,6 +365,9 @@ Condition read_condition(const Json& json, const std::string& path, const NodeTy
         if (const Param* param = type.param(atom.name))
             return {.param = param, .value = &param->default_value};
         std::vector<std::string> names = type.domain->fact_list();
+        if (std::ranges::find(names, atom.name) != names.end())
+            return {.problem = fmt::format("\"{}\" is a fact, which is compared with nothing: {} or !{}",
+                                           atom.name, atom.name, atom.name)};
         for (const Param& p : type.params) names.push_back(p.name);
         return {.problem = fmt::format("no fact or parameter \"{}\" (facts: {}){}", atom.name,
                                        join(type.domain->fact_list()), did_you_mean(atom.name, names))};

@@ -260,9 +260,13 @@ class DeclarationReader {
     }
 
     void check_names() {
-        for (const Param& param : type_.params)
+        for (const Param& param : type_.params) {
             claim(param.name, param.place, "params." + param.name,
                   !param.constant);  // constants become upper case
+            if (!fact_problem(*type_.domain, param.name))
+                error(param.place, "params." + param.name,
+                      fmt::format("\"{}\" is a fact, which a condition would mean by it", param.name));
+        }
         for (const Port& port : type_.ports)
             claim(port.name, port.place, fmt::format("{}.{}", port.output ? "outputs" : "inputs", port.name));
         for (const Port& port : type_.ports)

@@ -14,23 +14,23 @@ namespace {
 
 // Values of a parameter that can make a difference to a comparison with `value`: it, and one on either side
 // of it.
-void add_around(const ParamValue& value, std::vector<ParamValue>& values) {
-    values.push_back(value);
+void add_around(const ParamValue& value, std::set<ParamValue>& values) {
+    values.insert(value);
     if (const auto* number = std::get_if<int32_t>(&value)) {
-        if (*number > INT32_MIN) values.emplace_back(*number - 1);
-        if (*number < INT32_MAX) values.emplace_back(*number + 1);
+        if (*number > INT32_MIN) values.emplace(*number - 1);
+        if (*number < INT32_MAX) values.emplace(*number + 1);
     } else if (const auto* word = std::get_if<uint32_t>(&value)) {
-        if (*word > 0) values.emplace_back(*word - 1);
-        if (*word < UINT32_MAX) values.emplace_back(*word + 1);
+        if (*word > 0) values.emplace(*word - 1);
+        if (*word < UINT32_MAX) values.emplace(*word + 1);
     } else if (const auto* real = std::get_if<float>(&value)) {
-        values.emplace_back(std::nextafter(*real, -INFINITY));
-        values.emplace_back(std::nextafter(*real, INFINITY));
+        values.emplace(std::nextafter(*real, -INFINITY));
+        values.emplace(std::nextafter(*real, INFINITY));
     }
 }
 
 // For every parameter that the conditions of variant outputs ask for, the values that matter.
-std::map<std::string, std::vector<ParamValue>> values_in_conditions(const NodeType& type) {
-    std::map<std::string, std::vector<ParamValue>> values;
+std::map<std::string, std::set<ParamValue>> values_in_conditions(const NodeType& type) {
+    std::map<std::string, std::set<ParamValue>> values;
     Diagnostics unused;
     for (const Port& port : type.ports) {
         if (!is_variant_output(type, port)) continue;
@@ -38,18 +38,18 @@ std::map<std::string, std::vector<ParamValue>> values_in_conditions(const NodeTy
             for (const Atom& atom : term) {
                 if (atom.fact) continue;
                 const Param& param = *type.param(atom.name);
-                std::vector<ParamValue>& list = values[atom.name];
+                std::set<ParamValue>& list = values[atom.name];
                 if (param.type == ParamType::boolean)
                     list = {false, true};
                 else if (param.type == ParamType::enumeration)
-                    list.assign(param.values.begin(), param.values.end());
+                    list.insert(param.values.begin(), param.values.end());
                 else if (const auto value = parse_param_text(param, atom.value, {}, "", unused))
                     add_around(*value, list);
             }
-        for (auto& [name, list] : values) {
-            const Param& param = *type.param(name);  // clang 14 captures no structured binding
-            std::erase_if(list, [&](const ParamValue& value) { return !fits(param, value); });
-        }
+    }
+    for (auto& [name, list] : values) {
+        const Param& param = *type.param(name);  // clang 14 captures no structured binding
+        std::erase_if(list, [&](const ParamValue& value) { return !fits(param, value); });
     }
     return values;
 }
@@ -118,9 +118,17 @@ std::string to_string(const Variant& variant) {
     return key;
 }
 
+size_t compared_values(const NodeType& type) {
+    uint64_t sets = 1;
+    for (const auto& [name, values] : values_in_conditions(type))
+        sets = std::min<uint64_t>(sets * values.size(), 1u << 31);
+    return sets;
+}
+
 std::vector<Variant> all_variants(const NodeType& type) {
     std::vector<Variant> variants(1);
     const auto multiply = [&](const auto& choices, auto&& set) {
+        if (variants.size() > max_variants_made) return;
         std::vector<Variant> next;
         for (const Variant& variant : variants)
             for (const auto& choice : choices) set(next.emplace_back(variant), choice);

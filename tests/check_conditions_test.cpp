@@ -135,6 +135,24 @@ TEST_F(Check, AComparisonAsksForTheValueThatThePipelineEndsUpWith) {
               "(\"if\") that exclude each other");
 }
 
+// "auto" is settled once the device is known, which is after who runs.
+TEST_F(Check, ABackendThatTheDeviceChoosesDecidesNothing) {
+    nodes_.add({.type = parse_toy(R"({"node": "looks", "doc": "d", "shader": "l.comp",
+        "inputs": {"scene": {"kind": "scene"}}, "outputs": {"seen": {"kind": "image", "format": "r16f"}},
+        "params": {"backend": {"type": "enum", "values": ["auto", "bvh", "ray_query"], "default": "auto",
+                               "constant": true, "doc": "d"}}, "dispatch": {"over": "frame"}})",
+                                  "looks")});
+    const auto with = [](const std::string& params) {
+        return pipeline(
+            R"("scene": {})", R"("seen")",
+            R"("l": {"type": "looks")" + params + R"(}, "a": {"type": "fill", "if": "l.backend=bvh"})");
+    };
+    expect_valid(with(R"(, "params": {"backend": "ray_query"})"));
+    for (const char* params : {"", R"(, "params": {"backend": "auto"})"})
+        EXPECT_EQ(error(with(params)),
+                  "nodes.a.if: \"l.backend\" depends on the device where it is \"auto\"");
+}
+
 TEST_F(Check, ComparisonsAndFactsMix) {
     // In how many 512ths of all cases of facts the node runs: each fact that decides halves them.
     const auto cases = [&](const std::string& condition) {

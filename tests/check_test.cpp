@@ -58,12 +58,17 @@ TEST_F(Check, AnOptionalInputIsUnboundWhereItsNameDoesNotExist) {
 // name with every right one, ends before that.
 TEST_F(Check, ManyMistakesAreSaidOnceEach) {
     constexpr size_t count = 10'000;
-    std::string undefined, writers;
+    std::string undefined, writers, circles, optional, with;
     for (size_t i = 0; i < count; ++i) {
         const std::string comma = i ? "," : "", id = std::to_string(i);
         undefined += comma + "\"f" + id + R"(": {"type": "filter", "in": {"signal": "missing)" + id +
                      R"("}, "out": {"filtered": "mizzing)" + id + "\"}}";
         writers += comma + "\"w" + id + R"(": {"type": "fill"})";
+        circles +=
+            comma + "\"c" + id + R"(": {"type": "filter", "in": {"signal": "x"}, "out": {"filtered": "x"}})";
+        optional += comma + "\"input" + id + R"(": {"optional": true})";
+        with += comma + "\"n" + id + R"(": {"type": "fill", "with": "imput)" + id +
+                R"(", "out": {"value": "v)" + id + "\"}}";
     }
     EXPECT_FALSE(run(pipeline("", R"("mizzing0")", undefined)));
     EXPECT_EQ(diagnostics_.size(), count);
@@ -74,6 +79,10 @@ TEST_F(Check, ManyMistakesAreSaidOnceEach) {
     EXPECT_LT(suggested, count / 10);
     EXPECT_FALSE(run(pipeline("", R"("value")", writers)));
     EXPECT_EQ(diagnostics_.size(), count - 1) << "each second writer, not each pair";
+    EXPECT_FALSE(run(pipeline("", R"("x")", circles)));
+    EXPECT_EQ(diagnostics_.size(), count) << "and one that waits for itself";
+    EXPECT_FALSE(run(pipeline(optional, R"("v0")", with)));
+    EXPECT_GE(diagnostics_.size(), count);
 }
 
 TEST_F(Check, HistoryMayBeReadBeforeAndAfterTheWriter) {

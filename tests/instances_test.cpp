@@ -212,6 +212,12 @@ TEST_F(Instances, WhatTheyAreWrittenOutIsBounded) {
     for (int i = 1; i < 20'000; ++i) members += ", \"i" + std::to_string(i) + R"(": {"of": "lights"})";
     EXPECT_EQ(error(pipeline("", members)),
               "instances: stand for 140000 nodes, inputs, resources and outputs: 100000 are the most");
+    std::string params = R"("p": 1)";
+    for (int i = 1; i < 60; ++i) params += ", \"p" + std::to_string(i) + "\": 1";
+    EXPECT_EQ(
+        error(R"({"penumbra": 1, "name": "p", "outputs": ["value"], "instances": {)" + members +
+              R"(}, "nodes": {"f": {"type": "fill", "instances": "lights", "params": {)" + params + "}}}}"),
+        "instances: stand for 1200000 parameters and wires: 1000000 are the most");
 }
 
 }  // namespace

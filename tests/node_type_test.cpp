@@ -145,6 +145,41 @@ TEST(NodeType, VariantsAreTheProductOfTheStorageFormatLists) {  // at most 16
         "");
 }
 
+// However many a text of some lines asks for, they are counted no further than that they are too many.
+TEST(NodeType, MillionsOfVariantsAreRefusedBeforeTheyAreMade) {
+    std::string optional = R"("o": {"kind": "image", "format": "r8"})", params, all, any = "p0=0";
+    for (int i = 0; i < 26; ++i) {
+        const std::string p = "p" + std::to_string(i);
+        optional += ", \"o" + p + R"(": {"kind": "image", "format": "r8", "optional": true})";
+        params +=
+            (i ? ", \"" : "\"") + p + R"(": {"type": "int", "default": 1, "constant": true, "doc": "d"})";
+        all += (i ? " & " : "") + p + "=1";
+    }
+    for (int i = 1; i < 5000; ++i) any += " | p0=" + std::to_string(i % 9);
+    const auto with = [&](const std::string& outputs, const std::string& more) {
+        return R"({"node": "n", "doc": "d", "outputs": {)" + outputs + "}, \"params\": {" + params + "}, " +
+               more + "}";
+    };
+    const auto when = [](const std::string& condition) {
+        return R"("o": {"kind": "image", "format": "r8", "if": ")" + condition + "\"}";
+    };
+    const std::string shader = R"("shader": "n.comp", "dispatch": {"over": "frame"})";
+    EXPECT_EQ(
+        errors(with(optional, shader)),
+        "n:1:1: formats, optional outputs and backends make more than 1000 shader variants; at most 16 are "
+        "allowed\n");
+    EXPECT_EQ(errors(with(when(all), shader)),
+              "n:1:1: the conditions of outputs tell more than 1000 sets of values apart\n");
+    EXPECT_EQ(errors(with(when(any), shader)), "") << "nine values, each of them often";
+    EXPECT_EQ(errors(with(optional, R"("host": true)")), "") << "it has no shader";
+}
+
+TEST(NodeType, AParameterIsNoFact) {
+    const std::string params =
+        R"({"alpha": {"type": "bool", "default": true, "constant": true, "doc": "d"}})";
+    EXPECT_NE(errors(with_params(params)).find("params.alpha: \"alpha\" is a fact"), std::string::npos);
+}
+
 TEST(NodeType, AHostNodeHasNoShaderToCompileForAClass) {
     EXPECT_EQ(errors(R"({"node": "n", "doc": "d", "host": true,
         "outputs": {"v": {"kind": "image", "format": "r8"}}, "classes": {"compiled": true}})"),
@@ -155,6 +190,7 @@ TEST(Condition, HoldsUnderFactsAndConstantParameters) {
     const NodeType type = parse_toy(with_params(R"({
         "mode": {"type": "enum", "values": ["tent", "plane"], "default": "tent", "doc": "d", "constant": true},
         "taps": {"type": "int", "default": 3, "doc": "d", "constant": true},
+        "gain": {"type": "float", "default": 1, "doc": "d", "constant": true},
         "fast": {"type": "bool", "default": false, "doc": "d", "constant": true}})"),
                                     "n");
     const auto test = [&](const std::string& text, const std::map<std::string, bool>& facts) {
@@ -181,9 +217,10 @@ TEST(Condition, HoldsUnderFactsAndConstantParameters) {
     EXPECT_FALSE(test("!taps = 3", {}));
     EXPECT_TRUE(test("taps>=3 & !fast | !sun_up", {})) << "the one language, in declarations and pipelines";
     EXPECT_FALSE(test("taps>3 | fast", {}));
+    EXPECT_TRUE(test("gain=1 & gain=1.0", {})) << "one value, written in two ways";
     for (const char* text : {"", "&", "sun_up &", "sun", "!mode=tnet", "mode", "mode=tnet", "taps=x",
                              "taps=3.5", "fast=1", "sun_up & !sun_up", "mode=tent & mode=plane",
-                             "mode=tent & !mode=tent", "mode<tent", "trace.taps=3"})
+                             "gain=1 & gain=1.5", "mode=tent & !mode=tent", "mode<tent", "trace.taps=3"})
         EXPECT_FALSE(condition(text, type)) << text;
 
     std::string joined = "alpha";  // each is compared with all before it

@@ -154,7 +154,10 @@ TEST(TraceBackend, DeclarationsOfABackendAreChecked) {
              ""},
             {R"({ "type": "enum", "values": ["bvh"], "default": "bvh", "doc": "d" })", ""},
             {R"({ "type": "int", "default": 0, "constant": true, "doc": "d" })", ""},
-            {good, R"(, "if": "backend=bvh")"}}) {
+            {good, R"(, "if": "backend=bvh")"},
+            {good +
+                 R"(}, "tables": { "n": { "file": "n", "format": "r8", "extent": [1, 1], "if": "backend=bvh" })",
+             ""}}) {
         Diagnostics errors;
         declared(params, condition, errors);
         EXPECT_EQ(errors.size(), 1u) << params << condition << "\n" << errors.text();
