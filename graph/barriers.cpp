@@ -59,7 +59,8 @@ class Simulation {
         Place& place = places_[place_of_[resource][plan_.resources[resource].kept ? 0 : parity]];
         place.remove(s);
         if (use.write) {
-            s = {.write_stages = use.stages, .write_access = use.access & write_mask, .write_time = time_};
+            s = {
+                .write_stages = use.stages, .write_access = use.access & write_accesses, .write_time = time_};
         } else {
             s.read_stages |= use.stages;
             s.read_time = time_;
@@ -68,10 +69,6 @@ class Simulation {
     }
 
   private:
-    static constexpr VkAccessFlags2 write_mask = VK_ACCESS_2_SHADER_STORAGE_WRITE_BIT |
-                                                 VK_ACCESS_2_TRANSFER_WRITE_BIT |
-                                                 VK_ACCESS_2_SHADER_WRITE_BIT | VK_ACCESS_2_MEMORY_WRITE_BIT;
-
     struct Recorded {
         VkPipelineStageFlags2 src_stages, dst_stages;
         VkAccessFlags2 src_access, dst_access;

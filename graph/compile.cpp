@@ -39,7 +39,6 @@ std::optional<Plan> Compiler::run() {
     plan_.domain = pipeline_.domain;
     plan_.extent = target_.extent;
     plan_.device = target_.device.name;
-    plan_.cpu = target_.device.cpu;
     plan_.aliased = options_.alias;
     plan_.poison = options_.poison;
     const size_t errors = diagnostics_.size();
@@ -87,6 +86,8 @@ std::optional<Plan> Compiler::run() {
     }
     place_lifetimes(plan_);
     place_rests(plan_);
+    check_limits(*selection);  // the device is not asked about what it cannot make
+    if (diagnostics_.size() != errors) return std::nullopt;
     place_memory(plan_, target_.device, options_.share_transients, options_.optimum_search_nodes,
                  options_.optimum_progress);
     if (plan_.memory.heap_bytes > target_.device.memory_bytes) {
@@ -100,7 +101,7 @@ std::optional<Plan> Compiler::run() {
                           plan_.device));
         return std::nullopt;
     }
-    check_limits(*selection);
+    check_limits(*selection);  // of the heaps
     if (diagnostics_.size() != errors) return std::nullopt;
     place_barriers(plan_);
     for (uint32_t i = 0; i < plan_.resources.size(); ++i)
@@ -198,7 +199,7 @@ void Compiler::read_outputs() {
         const auto asked = options_.outputs.find(name(id));
         const OutputUse use = asked == options_.outputs.end() ? OutputUse{} : asked->second;
         PlanResource& r = plan_.resources[made_[id].resource];
-        plan_.outputs.back().use = {use.stages, use.access, false};
+        plan_.outputs.back().use = {use.stages, use.access, (use.access & write_accesses) != 0};
         r.output = true;
         if (r.slot && r.history)
             error({pipeline_.file}, "outputs." + name(id),

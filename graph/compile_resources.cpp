@@ -55,6 +55,7 @@ void Compiler::make_resource(const SelectedNode& selected, uint32_t port_index, 
         r.names.push_back(name(bound.resource));
         r.settles = port.settles;
         r.memo = port.memo;
+        r.clear_on_reset = false;  // the next frame reads the last of the chain
         if (first_of(bound) == First::clear) clear_on_reset(r);
         return;
     }

@@ -10,11 +10,19 @@ namespace penumbra {
 
 namespace {
 
-// A set of cases of facts has a bit for each (condition.h): more would be cut off without a word.
+// A set of cases of facts has a bit for each (condition.h): more would be cut off without a word. Nothing can
+// be bound in place of an acceleration structure that is absent.
 std::shared_ptr<const Domain> checked(std::shared_ptr<const Domain> domain) {
-    if (domain && domain->facts.size() > max_facts)
+    if (!domain) return domain;
+    if (domain->facts.size() > max_facts)
         throw std::invalid_argument("the domain has " + std::to_string(domain->facts.size()) +
                                     " facts, and at most " + std::to_string(max_facts) + " are possible");
+    for (const Bundle& bundle : domain->bundles)
+        for (const Bundle::Part& part : bundle.parts)
+            if (part.kind == PortKind::structure && !part.always())
+                throw std::invalid_argument("the part \"" + part.name + "\" of \"" + bundle.kind +
+                                            "\" is an acceleration structure, which cannot exist by a fact "
+                                            "or by the size of texel buffers");
     return domain;
 }
 

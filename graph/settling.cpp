@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // A past that feeds itself, directly or through others, settles when its declaration says so; one that does
-// not is a frame behind what it is made of. What only spares work is not asked.
+// not is a frame behind what it is made of, as the host's own past is. What only spares work is not asked.
 #include "graph/settling.h"
 
 #include <algorithm>
@@ -33,7 +33,7 @@ bool feeds_itself(const Plan& plan, uint32_t resource) {
 }  // namespace
 
 std::optional<uint32_t> frames_to_settle(const Plan& plan) {
-    uint64_t frames = 0;
+    uint64_t frames = std::ranges::any_of(plan.slots, &HostSlot::previous) ? 1 : 0;
     for (uint32_t i = 0; i < plan.resources.size(); ++i) {
         const PlanResource& r = plan.resources[i];
         if (r.memo || !r.lasts()) continue;

@@ -139,7 +139,9 @@ bool add_user_nodes(NodeSet& nodes, const fs::path& folder, Diagnostics& diagnos
     const size_t errors = diagnostics.size();
     std::vector<NodeEntry> entries = FolderReader(nodes, std::move(cache), diagnostics).read(folder);
     if (diagnostics.size() != errors) return false;
-    for (NodeEntry& entry : entries) nodes.add(std::move(entry));
+    NodeSet with = nodes;  // all of them or, where memory ends, none
+    for (NodeEntry& entry : entries) with.add(std::move(entry));
+    nodes = std::move(with);
     return true;
 }
 

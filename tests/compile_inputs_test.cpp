@@ -161,6 +161,14 @@ TEST(CompileOutputs, AreMadeForWhatTheHostDoesWithThem) {
     EXPECT_FALSE(asked.resources[0].image_usage & VK_IMAGE_USAGE_TRANSFER_SRC_BIT);
     EXPECT_EQ(asked.end[0].dst_stages, VK_PIPELINE_STAGE_2_FRAGMENT_SHADER_BIT);
     EXPECT_EQ(asked.end[0].dst_access, VK_ACCESS_2_INPUT_ATTACHMENT_READ_BIT);
+    // What the host writes in place is over before the memory is another's.
+    options.outputs["value"] = {.stages = VK_PIPELINE_STAGE_2_COLOR_ATTACHMENT_OUTPUT_BIT,
+                                .access = VK_ACCESS_2_COLOR_ATTACHMENT_WRITE_BIT};
+    const Plan written = *compile_text(set, body, target_of({64, 64}), options).plan;
+    EXPECT_TRUE(written.outputs[0].use.write);
+    EXPECT_EQ(written.passes[0].before[0].activations.at(0).src_access,
+              VK_ACCESS_2_COLOR_ATTACHMENT_WRITE_BIT);
+    options.outputs["value"].image_usage = VK_IMAGE_USAGE_INPUT_ATTACHMENT_BIT;
     Target target = target_of({64, 64});
     target.device.supports = [](Format, VkFormatFeatureFlags features) {
         return !(features & VK_FORMAT_FEATURE_SAMPLED_IMAGE_BIT);

@@ -74,6 +74,13 @@ TEST(CompileUpdates, AChainIsOneResourceThatLivesFromFirstToLastName) {
     EXPECT_TRUE(chain.clear_on_reset) << "the last name's \"first\" is the chain's";
     EXPECT_TRUE(chain.image_usage & VK_IMAGE_USAGE_TRANSFER_DST_BIT);
     expect_sound(plan);
+    const Plan any =
+        *compile_text(set, R"("outputs": ["late", "two"], "resources": { "value": { "first": "clear" } },
+        "nodes": { "source": { "type": "source" }, "a": { "type": "twice", "out": { "doubled": "two" } },
+          "mix": { "type": "mix", "in": { "value": "two", "before": "two@-1" }, "out": { "mixed": "late" } } })",
+                      target_of({64, 64}))
+             .plan;
+    EXPECT_FALSE(resource_of(any, "two")->clear_on_reset) << "that of another name is not";
 }
 
 TEST(CompileUpdates, ACaptureOfAnOldNameComesBeforeItsUpdater) {

@@ -210,6 +210,11 @@ TEST(CompileNodeSet, HasOneDomain) {
     EXPECT_THROW(set.add(foreign), std::invalid_argument);
     NodeSet told(std::make_shared<Domain>());  // which has no facts, but is one
     EXPECT_THROW(told.add(foreign), std::invalid_argument);
+    Domain odd;  // nothing can be bound in place of its structure
+    odd.bundles = {{.kind = "scene", .parts = {{.kind = PortKind::structure, .fact = "alpha"}}}};
+    EXPECT_THROW(NodeSet(std::make_shared<Domain>(odd)), std::invalid_argument);
+    odd.bundles[0].parts[0].fact.clear();
+    EXPECT_NO_THROW(NodeSet(std::make_shared<Domain>(odd)));
 }
 
 // A past per pixel is that of whatever a pixel shows: where frames are jittered, who keeps one where nothing
@@ -382,6 +387,11 @@ TEST(CompileLayers, AnArrayHasALayerForEachRowOfTexels) {
     target.inputs["list"] = {Format::r32ui, {35, 1}};
     EXPECT_NE(compile_text(set, body, target)
                   .errors.find("the host brings \"list\" in rows of 35 texels, which are of 5 here"),
+              std::string::npos);
+    target.inputs["list"] = {Format::r32ui, {5, 5000}};
+    target.device.image_memory = [](const ImageNeed&) -> MemoryNeed { throw std::logic_error("asked"); };
+    EXPECT_NE(compile_text(set, body, target)
+                  .errors.find("slice: it takes 5000 of maxImageArrayLayers, 2952 more than the 2048"),
               std::string::npos);
     target.inputs.clear();
     const std::string untold = compile_text(set, body, target).errors;

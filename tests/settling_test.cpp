@@ -30,6 +30,15 @@ TEST(Settling, APastThatDoesNotFeedItselfIsAFrameBehind) {
     EXPECT_EQ(frames_to_settle(plan_of(2)), 1u);
 }
 
+// What the host has changed in a frame is in the next one's previous value.
+TEST(Settling, ThePastThatTheHostBringsIsAFrameBehind) {
+    Plan plan = plan_of(2);
+    plan.slots.push_back({.name = "given@-1", .previous = true});
+    EXPECT_EQ(frames_to_settle(plan), 2u) << "and what is made of it a frame more";
+    plan.resources[0].history = false;
+    EXPECT_EQ(frames_to_settle(plan), 1u);
+}
+
 TEST(Settling, OneThatFeedsItselfSettlesAsDeclared) {
     Plan plan = plan_of(1);
     EXPECT_EQ(frames_to_settle(plan), std::nullopt);

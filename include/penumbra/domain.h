@@ -51,8 +51,9 @@ struct Bundle {
         Format format = Format::r8;  // texels
         std::string element;         // block: the struct's name; buffer: as in declarations
         std::string backend;         // exists with this one alone; empty: with every one
-        std::string fact;            // exists where it holds; empty: always. HAS_PORT_NAME in GLSL
-        Texels on = Texels::any;     // exists on these devices alone. HAS_PORT_NAME in GLSL
+        // Both of no structure, of which there is none to bind where it is absent.
+        std::string fact;         // exists where it holds; empty: always. HAS_PORT_NAME in GLSL
+        Texels on = Texels::any;  // exists on these devices alone. HAS_PORT_NAME in GLSL
 
         bool always() const { return fact.empty() && on == Texels::any; }
         const std::string& slot_name() const { return slot.empty() ? name : slot; }

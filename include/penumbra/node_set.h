@@ -53,7 +53,8 @@ const std::vector<uint32_t>* find_shader(const NodeEntry& entry, const Variant& 
 class NodeSet {
   public:
     NodeSet() = default;  // of the domain of the first type that is added
-    // Throws std::invalid_argument for a domain of more than max_facts facts.
+    // Throws std::invalid_argument for a domain of more than max_facts facts, or of a part that is a
+    // structure and may be absent (Bundle::Part::fact, on).
     explicit NodeSet(std::shared_ptr<const Domain> domain);
 
     // Adds a type, in place of one of the same name. Throws std::invalid_argument for a type of another

@@ -296,7 +296,8 @@ struct PlanPass {
     std::array<uint32_t, 3> groups_at(Extent frame, uint32_t level = 0) const;
 };
 
-// Static texels, uploaded once per device.
+// Static texels, which every view uploads in its first frame and in each reset frame
+// (Program::record_uploads).
 struct PlanTable {
     std::string name;  // "node type/table"
     Format format = Format::r8;
@@ -346,7 +347,6 @@ struct Plan {
     Extent extent;  // of the largest frame
     Facts facts;    // every fact, with its value
     std::string device;
-    bool cpu = false;
     bool aliased = true;
     bool poison = false;
     std::vector<HostSlot> slots;
