@@ -135,8 +135,7 @@ penumbra_code penumbra_view_output(const penumbra_view* view, const char* name, 
                                    penumbra_error* error) {
     return guarded(error, [&] {
         const ResourceHandles& r = given(view, "view").view->output(named(name, "name"));
-        write(output, {0, r.image, r.view, r.buffer, r.texels, r.bytes, 0, VK_IMAGE_LAYOUT_GENERAL},
-              "output");
+        write(output, {0, r.image, r.view, r.buffer, r.texels, r.bytes, 0, r.layout}, "output");
     });
 }
 

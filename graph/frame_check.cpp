@@ -83,8 +83,9 @@ void check_frame(const FrameDescription& frame, const Plan& plan, bool has_past)
              fmt::format("is all zeros, and \"{}\" asks for a camera", plan.pipeline));
     if (is_given(frame.camera)) {
         check_camera(frame.camera, orthographic, "camera");
-        const bool reads_previous = has_past && !(frame.flags & frame_reset) && !plan.reset.empty();
-        if (reads_previous) check_camera(frame.previous, orthographic, "previous");
+        const bool has_history = !plan.reset.empty() || std::ranges::any_of(plan.slots, &HostSlot::previous);
+        if (has_past && !(frame.flags & frame_reset) && has_history)
+            check_camera(frame.previous, orthographic, "previous");
     }
     if ((frame.flags & frame_unchanged) && !(frame.flags & frame_reset) && has_past &&
         frame.camera != frame.previous)

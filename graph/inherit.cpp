@@ -33,8 +33,14 @@ bool hands_on(const PlanResource& r) {
 
 }  // namespace
 
+void ViewState::reset_for(Reset::Reason reason, const PlanResource& resource) {
+    reset_.reason = reason;
+    reset_.resource = resource.names.back();  // which has room for it
+}
+
 void ViewState::decide_reset(uint32_t flags) {
-    reset_ = {};
+    reset_.reason = Reset::Reason::none;
+    reset_.resource.clear();
     inherited_.clear();
     if (flags & frame_reset) reset_.reason = Reset::Reason::asked;
     if (recorded_ > 0) return decide_waking();
@@ -50,7 +56,7 @@ void ViewState::decide_reset(uint32_t flags) {
     for (const ResetAction& action : plan().reset) {
         const PlanResource& own = plan().resources[action.resource];
         if (!fits && own.follows) {  // nodes look for the frame before in histories of its size
-            reset_ = {Reset::Reason::not_handed_on, own.names.back()};
+            reset_for(Reset::Reason::not_handed_on, own);
             inherited_.clear();
             return;
         }
@@ -63,7 +69,7 @@ void ViewState::decide_reset(uint32_t flags) {
                                  : std::optional(static_cast<uint32_t>(same - theirs.begin())));
         const bool rests_on = rests(plan().passes[own.first_pass]);  // and begins when it wakes
         if (same == theirs.end() && !action.clear && !rests_on) {
-            reset_ = {Reset::Reason::not_handed_on, own.names.back()};
+            reset_for(Reset::Reason::not_handed_on, own);
             inherited_.clear();
             return;
         }

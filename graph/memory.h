@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // A plan's resources on a device: one allocation per heap, and for each resource two instances (by frame
-// parity), each an image or a buffer bound at the offset that the packer chose.
+// parity; of what is kept one), each an image or a buffer bound at the offset that the packer chose.
 #pragma once
 
 #include <array>

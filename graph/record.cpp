@@ -70,7 +70,8 @@ void ViewState::memory_dependency(VkCommandBuffer cmd, const Dependency& d,
     vk().vkCmdPipelineBarrier2(cmd, &info);
 }
 
-// Everything before, before everything after: reset frames, poisoning, and memory that another view has used.
+// Everything before, before everything after: reset frames, members that rest or wake, memos that begin anew,
+// poisoning, and memory that another view has used.
 void ViewState::full_dependency(VkCommandBuffer cmd, std::span<const VkImageMemoryBarrier2> images) const {
     constexpr VkAccessFlags2 all = VK_ACCESS_2_MEMORY_READ_BIT | VK_ACCESS_2_MEMORY_WRITE_BIT;
     static const Dependency everything{
@@ -141,6 +142,7 @@ void ViewState::begin(VkCommandBuffer cmd, const FrameDescription& frame,
         record_reset(cmd);
     else
         record_waking(cmd);
+    for (KeptMemo& memo : kept_memos_) memo.stale = false;
     next_pass_ = 0;
 }
 
@@ -415,6 +417,9 @@ void ViewState::end(VkCommandBuffer cmd) {
     last_.size = size_;
     last_.parity = parity_;
     last_.lent = lent_;  // as many every time: nothing is allocated
+    for (size_t i = 0; i < lent_.size(); ++i)
+        if (const auto slot = plan().resources[i].slot)
+            last_.lent[i].layout = bound_[*slot].handover->layout_after;
 }
 
 }  // namespace penumbra

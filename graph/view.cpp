@@ -67,6 +67,10 @@ ViewState::ViewState(std::shared_ptr<const Program> program, const ViewOptions& 
     completed_.passes.resize(plan().passes.size());
     for (size_t p = 0; p < plan().passes.size(); ++p)
         completed_.passes[p].counters.resize(plan().passes[p].counters.size());
+    inherited_.reserve(plan().reset.size());
+    for (const ResetAction& action : plan().reset)  // whichever View::reset() is to name
+        reset_.resource.reserve(plan().resources[action.resource].names.back().size());
+    find_kept_memos();
     make_descriptor_pool();
     make_internal_sets();
     slots_.resize(options_.frames_in_flight);
@@ -250,8 +254,12 @@ bool ViewState::set_param(size_t pass, size_t param, const ParamValue& value) {
     const PlanParam& p = plan().passes[pass].params[param];
     if (!fits(p.param, value)) return false;
     const std::vector<std::byte> bytes = value_bytes(p.param, value);
-    std::memcpy(push_[pass].data() + p.offset, bytes.data(), bytes.size());
+    std::byte* own = push_[pass].data() + p.offset;
+    if (std::equal(bytes.begin(), bytes.end(), own)) return true;
+    std::ranges::copy(bytes, own);
     set_ = true;
+    for (KeptMemo& memo : kept_memos_)
+        if (memo.makers[pass]) memo.stale = true;
     return true;
 }
 

@@ -41,6 +41,11 @@ class ViewState {
     }
 
   private:
+    struct KeptMemo {
+        uint32_t resource;
+        std::vector<bool> makers;  // the passes whose parameters it follows from
+        bool stale = false;        // one was set since the last frame
+    };
     struct Slot {  // one frame in flight
         Held<VkQueryPool> timestamps;
         MappedBuffer frame_block;
@@ -73,6 +78,7 @@ class ViewState {
     void record_handovers(VkCommandBuffer cmd, bool back);
     void decide_reset(uint32_t flags);
     void decide_waking();
+    void reset_for(Reset::Reason reason, const PlanResource& resource);
     void record_reset(VkCommandBuffer cmd);
     void record_inheritance(VkCommandBuffer cmd) const;
     void record_dependency(VkCommandBuffer cmd, const Dependency& dependency);
@@ -88,6 +94,8 @@ class ViewState {
     bool rested(uint32_t resource) const;
     bool is_zero_at_rest(uint32_t resource) const;
     bool wakes(uint32_t resource) const;
+    void find_kept_memos();
+    bool is_stale(uint32_t resource) const;
     void record_waking(VkCommandBuffer cmd) const;
     void memory_dependency(VkCommandBuffer cmd, const Dependency& dependency,
                            std::span<const VkImageMemoryBarrier2> images = {}) const;
@@ -103,6 +111,7 @@ class ViewState {
     // Set 0 by pass, parity and level (one, but for writers of mip chains).
     std::vector<std::array<std::vector<VkDescriptorSet>, 2>> internal_sets_;
     std::vector<Slot> slots_;
+    std::vector<KeptMemo> kept_memos_;
     std::vector<size_t> capture_passes_;
     std::vector<std::vector<std::byte>> push_;   // per pass
     std::vector<SlotBinding> bound_;             // of the frame that was begun last

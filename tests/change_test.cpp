@@ -236,16 +236,16 @@ TEST_F(ChangeGpu, BuffersAndChainsGoOverAsFarAsBothHaveThem) {
     }
 }
 
-// What is kept in place goes over, but for a memo, which may be what another plan's parameters made of it.
-TEST_F(ChangeGpu, AKeptMemoIsNotHandedOn) {
-    static const GpuBuffer read = make_host_buffer(gpu(), 8, VK_BUFFER_USAGE_TRANSFER_DST_BIT, "read");
-    NodeSet set;
+// A node that keeps two words in place, one a memo: 1234 from frame 0 on, of which later frames tell `read`.
+NodeSet keeper_set(const GpuBuffer& read) {
+    NodeSet set = toy_set();
     NodeEntry keeper;
     keeper.type = parse_toy(R"({ "node": "keeper", "doc": "d", "host": true, "inputs": {},
       "outputs": { "cells": { "kind": "buffer", "element": "u32", "count": { "of": "frame" }, "writes": "kept" },
-                   "memo": { "kind": "buffer", "element": "u32", "count": { "of": "frame" }, "writes": "kept", "memo": true } } })",
+                   "memo": { "kind": "buffer", "element": "u32", "count": { "of": "frame" }, "writes": "kept", "memo": true } },
+      "params": { "seed": { "type": "uint", "default": 1, "doc": "d" } } })",
                             "keeper");
-    keeper.callback = [](const HostPassContext& context) {
+    keeper.callback = [&read](const HostPassContext& context) {
         for (const char* name : {"cells", "memo"}) {
             const VkBuffer buffer = context.resource(name)->buffer;
             const VkBufferCopy first{0, name[0] == 'c' ? 0u : 4u, 4};
@@ -256,16 +256,47 @@ TEST_F(ChangeGpu, AKeptMemoIsNotHandedOn) {
         }
     };
     set.add(std::move(keeper));
-    const auto program = program_with(
-        checked(R"("outputs": ["cells", "memo"], "nodes": { "keeper": { "type": "keeper" } })", set), {});
+    return set;
+}
+
+using Kept = std::array<uint32_t, 2>;
+
+Kept kept_in(View& view, uint32_t f, const GpuBuffer& read) {
+    gpu().run([&](VkCommandBuffer cmd) { view.record(cmd, description(f), {}); });
+    Kept kept{};
+    std::memcpy(kept.data(), read.mapped, sizeof kept);
+    return kept;
+}
+
+// What is kept in place goes over, but for a memo, which may be what another plan's parameters made of it.
+TEST_F(ChangeGpu, AKeptMemoIsNotHandedOn) {
+    const GpuBuffer read = make_host_buffer(gpu(), 8, VK_BUFFER_USAGE_TRANSFER_DST_BIT, "read");
+    const auto program =
+        program_with(checked(R"("outputs": ["cells", "memo"], "nodes": { "keeper": { "type": "keeper" } })",
+                             keeper_set(read)),
+                     {});
     View before(program, {});
-    gpu().run([&](VkCommandBuffer cmd) { before.record(cmd, description(0), {}); });
+    kept_in(before, 0, read);
     View heir(program, {.heir_of = &before});
-    gpu().run([&](VkCommandBuffer cmd) { heir.record(cmd, description(1), {}); });
+    EXPECT_EQ(kept_in(heir, 1, read), (Kept{1234, 0}));
     EXPECT_EQ(heir.reset().reason, Reset::Reason::none);
-    std::array<uint32_t, 2> is;
-    std::memcpy(is.data(), read.mapped, sizeof is);
-    EXPECT_EQ(is, (std::array<uint32_t, 2>{1234, 0}));
+}
+
+// Nor does it last where one of these is set, unless that is another pass's, or the value that it had.
+TEST_F(ChangeGpu, AKeptMemoBeginsAnewOnceWhatItWasMadeWithIsSet) {
+    const GpuBuffer read = make_host_buffer(gpu(), 8, VK_BUFFER_USAGE_TRANSFER_DST_BIT, "read");
+    View view(program_with(checked(R"("outputs": ["cells", "memo", "value"], "nodes": {
+        "keeper": { "type": "keeper" }, "fill": { "type": "toy_fill" } })",
+                                   keeper_set(read)),
+                           {}),
+              {});
+    kept_in(view, 0, read);
+    EXPECT_TRUE(view.set_param("fill", "scale", 2.0f));
+    EXPECT_TRUE(view.set_param("keeper", "seed", 1u));
+    EXPECT_EQ(kept_in(view, 1, read), (Kept{1234, 1234}));
+    EXPECT_TRUE(view.set_param("keeper", "seed", 2u));
+    EXPECT_EQ(kept_in(view, 2, read), (Kept{1234, 0}));
+    EXPECT_EQ(view.reset().reason, Reset::Reason::none);
 }
 
 // A frame's block has the size of the one before it, whose history it reads, or its own where it reads none.

@@ -315,6 +315,15 @@ TEST_F(HostAsksGpu, APartOfABufferThatCannotBeABlockIsRefused) {
     refused(0, 4, "4 bytes are bound to it, of a block of");
     refused(0, 0, "0 bytes");
     refused(1, VK_WHOLE_SIZE, "no multiple");
+    externals["sun"].offset = 0;
+    const auto texels = std::ranges::find(plan->slots, PortKind::texels, &HostSlot::kind);
+    ASSERT_NE(texels, plan->slots.end());
+    externals[texels->name].handover = Handover{};
+    externals[texels->name].range = 0;
+    gpu().run([&](VkCommandBuffer cmd) {
+        usage([&] { view.record(cmd, description(0), externals); }, "the slot \"" + texels->name + "\"",
+              "0 bytes is handed over");
+    });
 }
 
 // Who forgets the camera of the frame before would have no history that fits.
@@ -339,6 +348,28 @@ TEST_F(HostAsksGpu, APreviousCameraIsAskedForWhereThereIsAFrameBefore) {
               "no inverse");
         frame = {.size = frame.size, .index = 2};
         EXPECT_NO_THROW(view.record(cmd, frame, {})) << "a pipeline may ask for no camera";
+    });
+}
+
+// The host's past is one, too.
+TEST_F(HostAsksGpu, APreviousCameraIsAskedForWhereTheHostBringsThePast) {
+    const auto plan = plan_of(
+        checked(R"("inputs": { "given": { "format": "r32f", "history": "host" } }, "outputs": ["blended"],
+        "nodes": { "blend": { "type": "toy_blend", "in": { "value": "given@-1" } } })"),
+        {});
+    ASSERT_TRUE(plan->reset.empty());
+    View view(std::make_shared<Program>(handles_of(gpu()), plan), {});
+    GpuImage given = image_of(VK_FORMAT_R32_SFLOAT, VK_IMAGE_USAGE_SAMPLED_BIT);
+    const std::vector<float> zeros(width * height);
+    upload_image(gpu(), given, std::as_bytes(std::span(zeros)));
+    Externals externals(*plan);
+    externals["given@-1"].image = given.view.get();
+    FrameDescription frame = description(0);
+    frame.previous.clip_from_view = {};
+    gpu().run([&](VkCommandBuffer cmd) { EXPECT_NO_THROW(view.record(cmd, frame, externals)); });
+    gpu().run([&](VkCommandBuffer cmd) {
+        usage([&] { view.record(cmd, frame, externals); }, "FrameDescription::previous.clip_from_view",
+              "no inverse");
     });
 }
 

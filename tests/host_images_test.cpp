@@ -234,6 +234,9 @@ TEST_F(HostImagesGpu, AnOutputsImageIsNoInput) {
         externals[slot] = {.image = own.view.get(), .handover = Handover{.image = own.get()}};
     gpu().run(
         [&](VkCommandBuffer cmd) { EXPECT_THROW(view.record(cmd, description(0), externals), Failure); });
+    externals["given"].handover.reset();  // the view tells
+    gpu().run(
+        [&](VkCommandBuffer cmd) { EXPECT_THROW(view.record(cmd, description(0), externals), Failure); });
 }
 
 // The host's own image need not be larger than the frame, whatever the plan allows.
@@ -293,6 +296,8 @@ TEST_F(HostImagesGpu, AnOutputIsPutIntoTheHostsImage) {
         const auto bytes = read_image(gpu(), image.get(), VK_FORMAT_R32_SFLOAT, {width, height},
                                       VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL);
         EXPECT_EQ(view.output("value").image, image.get());
+        EXPECT_EQ(view.output("value").layout, VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL);
+        EXPECT_EQ(view.output("blended").layout, VK_IMAGE_LAYOUT_GENERAL);
         std::vector<float> value(width * height);
         for (uint32_t i = 0; i < value.size(); ++i) {
             value[i] = static_cast<float>(i + f);

@@ -18,7 +18,8 @@ struct MemoryRequest {
     VkMemoryRequirements need{};           // bytes, alignment, types
     VkMemoryPropertyFlags properties = 0;  // that the type must have
     bool mapped = false;                   // MemoryBlock::mapped is to be filled in, for the block's lifetime
-    bool linear = false;                   // holds buffers; else images of optimal tiling
+    bool linear = false;                   // holds buffers, or images whose memory is a buffer's, too; else
+                                           // images of optimal tiling
     bool readback = false;                 // the host reads it: a type that is HOST_CACHED, too, is best
     const char* what = "";                 // to print
 };

@@ -121,7 +121,7 @@ struct ClassOverrides {
     std::optional<std::array<uint32_t, 2>> per_thread;
 };
 
-// Static read-only data, uploaded once per device; `file` is relative to the declaration's folder.
+// Static read-only data, one copy for all views of a program; `file` is relative to the declaration's folder.
 struct Table {
     std::string name;
     std::string file;

@@ -361,7 +361,7 @@ typedef struct penumbra_frame {
 typedef struct penumbra_handover {
     uint32_t struct_size;
     VkImageAspectFlags aspects; /* 0: the slot's format's. Of an image with depth and stencil set both */
-    VkImage image;
+    VkImage image;              /* all its layers and mip levels are handed over, whatever the view shows */
     VkPipelineStageFlags2 stages_before, stages_after;
     VkAccessFlags2 access_before, access_after;
     VkImageLayout layout_before, layout_after; /* 0: VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL */
@@ -417,7 +417,7 @@ typedef struct penumbra_output {
     VkBuffer buffer;
     VkBufferView texels;
     VkDeviceSize bytes, offset; /* of the buffer what is bound; VK_WHOLE_SIZE: to its end */
-    VkImageLayout layout;       /* of the image: GENERAL, or the one that the caller brings it in */
+    VkImageLayout layout;       /* of the image: GENERAL, or the one that the caller's is in */
     VkAccelerationStructureKHR structure;
 } penumbra_output;
 

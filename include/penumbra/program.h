@@ -41,9 +41,9 @@ class Program {
     // What to keep for the next start.
     std::vector<std::byte> pipeline_cache() const;
 
-    // Copies the tables to the device. Every view's first frame does so by itself, so that it does not matter
-    // which one the queue sees first; a host with many views does it once, before any of their frames, and
-    // says so (ViewOptions::tables_uploaded).
+    // Copies the tables to the device. Every view's first frame, and each of its reset frames, does so by
+    // itself, so that it does not matter which one the queue sees first; a host with many views does it once,
+    // before any of their frames, and says so (ViewOptions::tables_uploaded).
     void record_uploads(VkCommandBuffer cmd) const;
 
     // For views that run one after another on the queue (ViewOptions::transients): of this plan, or of any

@@ -25,7 +25,9 @@ namespace penumbra PENUMBRA_API {
 // How the host hands something over for a frame, and how it wants it back. Where a member says that nothing
 // changes, nothing is recorded for it.
 struct Handover {
-    VkImage image = VK_NULL_HANDLE;  // whose view is bound; null for buffers
+    // Whose view is bound; null for buffers. All its layers and mip levels change their layout and owner, and
+    // where a frame writes them lose what they held, whatever the view shows.
+    VkImage image = VK_NULL_HANDLE;
     // The host's accesses before the frame and after it. Its writes become visible to the frame's reads;
     // its next accesses wait for what the frame has done. Stages of 0: the host orders that itself, by
     // barriers into the frame's stages and accesses (HostSlot::use) and out of them, between which a layout
@@ -111,13 +113,15 @@ struct Reset {
     std::string resource;
 };
 
-// One instance of a resource; its images are in VK_IMAGE_LAYOUT_GENERAL.
+// One instance of a resource.
 struct ResourceHandles {
     VkImage image = VK_NULL_HANDLE;
     VkImageView view = VK_NULL_HANDLE;
     VkBuffer buffer = VK_NULL_HANDLE;
     VkBufferView texels = VK_NULL_HANDLE;
     VkDeviceSize bytes = 0;  // of the buffer
+    // Of the image; of an output in one of the host's own, behind the frame, Handover::layout_after.
+    VkImageLayout layout = VK_IMAGE_LAYOUT_GENERAL;
 };
 
 class ViewState;
@@ -172,7 +176,8 @@ class View {
 
     // Sets Plan::passes[pass].params[param] for passes recorded from now on; false if there is none, or if
     // the value is out of range or not of exactly its type (5u for an unsigned one). It is set for this
-    // view alone: an heir begins with its own plan's values.
+    // view alone: an heir begins with its own plan's values. Where it is another value than before, what is
+    // kept in place to spare work, and follows from it, begins anew in the next frame.
     [[nodiscard]] bool set_param(size_t pass, size_t param, const ParamValue& value);
     // The same by names.
     [[nodiscard]] bool set_param(std::string_view node, std::string_view param, const ParamValue& value);
@@ -201,8 +206,8 @@ class View {
 
     // Whether enough frame_unchanged frames have been recorded in a row for the plan's histories to settle
     // (Plan::settles). Until something changes the host can keep the last frame's outputs, which another
-    // would not improve, and record none. Setting a parameter counts as a change; what host passes keep
-    // for themselves only the host can judge.
+    // would not improve, and record none. Setting a parameter to another value counts as a change; what host
+    // passes keep for themselves only the host can judge.
     bool settled() const;
 
     const Plan& plan() const;
