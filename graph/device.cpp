@@ -70,6 +70,8 @@ void require(VkResult result, const char* call, const std::string& what) {
     throw Failure({code, what, fmt::format("{} failed with {}", call, result_name(result)), result});
 }
 
+namespace {
+
 void check_physical(const DeviceHandles& handles) {
     const auto given = [](bool there, const char* member) {
         if (!there) fail(ErrorCode::usage, fmt::format("DeviceHandles::{}", member), "is null");
@@ -79,24 +81,32 @@ void check_physical(const DeviceHandles& handles) {
     given(handles.get_instance_proc_addr != nullptr, "get_instance_proc_addr");
 }
 
-GraphDevice::GraphDevice(const DeviceHandles& handles) : handles_(handles) {
+template <class Function>
+Function loaded(PFN_vkVoidFunction function, const char* name) {
+    if (!function)
+        fail(
+            ErrorCode::usage, name,
+            "DeviceHandles::get_instance_proc_addr does not give it (is VkApplicationInfo::apiVersion of the "
+            "instance 1.3?)");
+    return reinterpret_cast<Function>(function);
+}
+
+}  // namespace
+
+VulkanFunctions instance_functions(const DeviceHandles& handles) {
     check_physical(handles);
+    VulkanFunctions vk;
+#define PENUMBRA_LOAD(name) \
+    vk.name = loaded<PFN_##name>(handles.get_instance_proc_addr(handles.instance, #name), #name);
+    PENUMBRA_INSTANCE_FUNCTIONS(PENUMBRA_LOAD)
+#undef PENUMBRA_LOAD
+    return vk;
+}
+
+GraphDevice::GraphDevice(const DeviceHandles& handles) : handles_(handles), vk_(instance_functions(handles)) {
     if (handles.device == VK_NULL_HANDLE) fail(ErrorCode::usage, "DeviceHandles::device", "is null");
     if (!handles.memory.allocate != !handles.memory.release)
         fail(ErrorCode::usage, "DeviceHandles::memory", "has one of its two functions");
-    const auto loaded = [](auto function, const char* name) {
-        if (!function)
-            fail(
-                ErrorCode::usage, name,
-                "DeviceHandles::get_instance_proc_addr does not give it (is VkApplicationInfo::apiVersion of "
-                "the instance 1.3?)");
-        return function;
-    };
-#define PENUMBRA_LOAD(name)                                                                                  \
-    vk_.name = loaded(reinterpret_cast<PFN_##name>(handles.get_instance_proc_addr(handles.instance, #name)), \
-                      #name);
-    PENUMBRA_INSTANCE_FUNCTIONS(PENUMBRA_LOAD)
-#undef PENUMBRA_LOAD
     // First of all the version: an older device does not have the functions.
     vk_.vkGetPhysicalDeviceProperties(handles.physical, &properties_);
     if (properties_.apiVersion < VK_API_VERSION_1_3)
@@ -105,7 +115,7 @@ GraphDevice::GraphDevice(const DeviceHandles& handles) : handles_(handles) {
                          VK_API_VERSION_MAJOR(properties_.apiVersion),
                          VK_API_VERSION_MINOR(properties_.apiVersion)));
 #define PENUMBRA_LOAD(name) \
-    vk_.name = loaded(reinterpret_cast<PFN_##name>(vk_.vkGetDeviceProcAddr(handles.device, #name)), #name);
+    vk_.name = loaded<PFN_##name>(vk_.vkGetDeviceProcAddr(handles.device, #name), #name);
     PENUMBRA_DEVICE_FUNCTIONS(PENUMBRA_LOAD)
 #undef PENUMBRA_LOAD
     if (handles.debug_utils) {

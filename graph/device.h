@@ -16,8 +16,9 @@ namespace penumbra {
 // Throws Failure unless `result` is VK_SUCCESS. `call` is the function's name, `what` the object or pass.
 void require(VkResult result, const char* call, const std::string& what);
 [[noreturn]] void fail(ErrorCode code, std::string place, std::string text);
-// Throws Failure where something is null that a physical device is asked with.
-void check_physical(const DeviceHandles& handles);
+// Those that a physical device is asked with. Throws Failure where one is missing, or what gives them is
+// null.
+VulkanFunctions instance_functions(const DeviceHandles& handles);
 
 class GraphDevice {
   public:

@@ -175,15 +175,7 @@ bool enable(const Requirement& feature, VkPhysicalDeviceFeatures2& chain) {
 }
 
 std::vector<Requirement> unmet(const Plan& plan, const DeviceHandles& handles) {
-    check_physical(handles);
-    const auto load = [&]<class F>(F& function, const char* name) {
-        function = reinterpret_cast<F>(handles.get_instance_proc_addr(handles.instance, name));
-        if (!function) fail(ErrorCode::usage, name, "DeviceHandles::get_instance_proc_addr does not give it");
-    };
-    VulkanFunctions vk;
-#define PENUMBRA_LOAD(name) load(vk.name, #name);
-    PENUMBRA_INSTANCE_FUNCTIONS(PENUMBRA_LOAD)
-#undef PENUMBRA_LOAD
+    const VulkanFunctions vk = instance_functions(handles);
     VkPhysicalDeviceSubgroupProperties subgroup{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_SUBGROUP_PROPERTIES};
     VkPhysicalDeviceProperties2 properties{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_PROPERTIES_2, &subgroup};
     vk.vkGetPhysicalDeviceProperties2(handles.physical, &properties);
