@@ -45,7 +45,7 @@ long="^($long)|/HistoryGpu\..*_(down|still)|/SoakRun\.|/Determinism\..*/lit"
 # On a second driver, whose images Drivers.TwoVersionsAgree holds to the first one's: that every pipeline runs with nothing for
 # validation to say, but for presets, which have the nodes of others; and what reads the tree of triangles.
 second='/ValidatedPipeline\.|/RowStores\.|^(BvhGpu|CoverCases|CoverLights|CoverWatertight|CoverTwinOf|TraceBackend|TraceBackendRun|Transmit)\.'
-few=(-E "$long") of_second=(-R "$second" -E "$long|/ValidatedPipeline\..*_(fast|best)")
+few=(-E "$long") of_second=(-R "$second" -E "$long|/ValidatedPipeline\..*_(fast|best|still)")
 if [[ $* == --all ]]; then few=() of_second=(); fi
 
 # Before any test, since some compare two drivers; what fails here is said below.
