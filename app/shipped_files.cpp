@@ -108,7 +108,11 @@ bool is_shipped(const std::string& name, const fs::path& root, const ShippedKind
 std::optional<fs::path> shipped_file(const std::string& wanted, const fs::path& root, const ShippedKind& kind,
                                      Diagnostics& diagnostics) {
     std::error_code failure;
-    if (fs::exists(wanted, failure)) {  // a folder: whoever reads it says so
+    const auto named = named_files(root, kind);
+    const auto shipped = std::ranges::find(named, wanted, &std::pair<std::string, fs::path>::first);
+    const bool there = fs::exists(wanted, failure);
+    // Of a folder whoever reads it says so, but for one that happens to have the name of what ships.
+    if (there && !(shipped != named.end() && fs::is_directory(wanted, failure))) {
         if (is_of_another_kind(wanted, kind, diagnostics)) return std::nullopt;
         return fs::path(wanted);
     }
@@ -116,8 +120,7 @@ std::optional<fs::path> shipped_file(const std::string& wanted, const fs::path& 
         diagnostics.add({wanted}, "", "cannot be read: " + failure.message());
         return std::nullopt;
     }
-    for (const auto& [name, file] : named_files(root, kind))
-        if (name == wanted) return file;
+    if (shipped != named.end()) return shipped->second;
     std::vector<std::string> names = shipped_names(root, kind);
     std::string hint = did_you_mean(wanted, names);
     const auto holds = [&](const std::string& name) { return name.find(wanted) != std::string::npos; };

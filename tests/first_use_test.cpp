@@ -5,6 +5,7 @@
 #include <map>
 #include <nlohmann/json.hpp>
 
+#include "app/shipped_files.h"
 #include "host/images/image_decode.h"
 #include "host/images/image_file.h"
 #include "tests/cli_run.h"
@@ -87,6 +88,18 @@ TEST_F(FirstUse, NamesOfShippedFilesAreLookedUp) {
     expect(run("render raw --shot colonade --out " + in("o")), 2, "did you mean \"colonnade\"?");
     expect(run("render raw one_ray --shot colonnade --out " + in("o")), 2, "one pipeline");
     EXPECT_FALSE(fs::exists(folder_ / "o"));
+}
+
+// As the output of `render raw --out raw` is.
+TEST_F(FirstUse, AFolderOfAPipelinesNameDoesNotHideIt) {
+    const fs::path before = fs::current_path();
+    fs::create_directory(folder_ / "raw");
+    fs::current_path(folder_);
+    Diagnostics diagnostics;
+    const auto found = shipped_file("raw", PENUMBRA_SOURCE_DIR, shipped_pipelines, diagnostics);
+    fs::current_path(before);
+    ASSERT_TRUE(found) << diagnostics.text();
+    EXPECT_EQ(found->filename(), "raw.json");
 }
 
 TEST_F(FirstUse, FramesBeyondAShotAreRefused) {

@@ -366,6 +366,11 @@ TEST_F(Gltf, MembersOfAnotherTypeAreRefused) {
                      "materials[0].pbrMetallicRoughness.baseColorFactor: expected a list of 4 numbers");
     expect_error(with(R"("materials":[{)", R"("materials":[{"doubleSided":"true",)"),
                  "materials[0].doubleSided: expected true or false");
+    expect_error(with(R"("materials":[{)", R"("materials":[{"alphaMode":1,)"),
+                 "materials[0].alphaMode: expected a string");
+    expect_error(with(R"("nodes":[{"mesh":0)", R"("nodes":[7,{"mesh":0)"), "nodes[0]: expected an object");
+    expect_error(with(R"("materials":[{"pbrMetallicRoughness":{}}])", R"("materials":{})"),
+                 "materials: expected a list");
     expect_error(with(lamp, lamp + R"(,"color":[1,0])"),
                  "extensions.KHR_lights_punctual.lights[0].color: expected a list of 3 numbers");
     expect_error(with(R"("POSITION":0)", R"("POSITION":0,"WEIGHTS_0":0)"), "JOINTS_0 and WEIGHTS_0");

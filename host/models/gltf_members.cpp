@@ -12,7 +12,7 @@
 namespace penumbra {
 namespace {
 
-enum class Kind { boolean, number, numbers, count, index, indices };
+enum class Kind { boolean, number, numbers, count, index, indices, text };
 
 // `way`: names of members; [] stands for all of a list's, {} for all of an object's.
 struct Member {
@@ -22,6 +22,7 @@ struct Member {
 };
 
 constexpr Member members[] = {
+    {"extensionsRequired.[]", Kind::text},
     {"scene", Kind::index},
     {"scenes.[].nodes", Kind::indices},
     {"nodes.[].mesh", Kind::index},
@@ -43,12 +44,15 @@ constexpr Member members[] = {
     {"skins.[].inverseBindMatrices", Kind::index},
     {"animations.[].samplers.[].input", Kind::index},
     {"animations.[].samplers.[].output", Kind::index},
+    {"animations.[].samplers.[].interpolation", Kind::text},
     {"animations.[].channels.[].sampler", Kind::index},
     {"animations.[].channels.[].target.node", Kind::index},
+    {"animations.[].channels.[].target.path", Kind::text},
     {"accessors.[].bufferView", Kind::index},
     {"accessors.[].byteOffset", Kind::count},
     {"accessors.[].componentType", Kind::index},
     {"accessors.[].count", Kind::count},
+    {"accessors.[].type", Kind::text},
     {"accessors.[].normalized", Kind::boolean},
     {"accessors.[].sparse.count", Kind::index},
     {"accessors.[].sparse.indices.bufferView", Kind::index},
@@ -61,11 +65,14 @@ constexpr Member members[] = {
     {"bufferViews.[].byteLength", Kind::count},
     {"bufferViews.[].byteStride", Kind::count},
     {"buffers.[].byteLength", Kind::count},
+    {"buffers.[].uri", Kind::text},
     {"images.[].bufferView", Kind::index},
+    {"images.[].uri", Kind::text},
     {"textures.[].source", Kind::index},
     {"textures.[].sampler", Kind::index},
     {"materials.[].doubleSided", Kind::boolean},
     {"materials.[].alphaCutoff", Kind::number},
+    {"materials.[].alphaMode", Kind::text},
     {"materials.[].emissiveFactor", Kind::numbers, 3},
     {"materials.[].emissiveTexture.index", Kind::index},
     {"materials.[].emissiveTexture.texCoord", Kind::index},
@@ -78,6 +85,7 @@ constexpr Member members[] = {
     {"materials.[].pbrMetallicRoughness.metallicRoughnessTexture.texCoord", Kind::index},
     {"cameras.[].perspective.yfov", Kind::number},
     {"cameras.[].perspective.znear", Kind::number},
+    {"extensions.KHR_lights_punctual.lights.[].type", Kind::text},
     {"extensions.KHR_lights_punctual.lights.[].color", Kind::numbers, 3},
     {"extensions.KHR_lights_punctual.lights.[].intensity", Kind::number},
     {"extensions.KHR_lights_punctual.lights.[].range", Kind::number},
@@ -108,6 +116,8 @@ bool fits(const nlohmann::json& json, const Member& member) {
             return is_index(json);
         case Kind::indices:
             return list_of(is_index);
+        case Kind::text:
+            return json.is_string();
     }
     return true;
 }
@@ -122,26 +132,35 @@ std::string words_of(const Member& member) {
             return member.length ? fmt::format("a list of {} numbers", member.length) : "a list of numbers";
         case Kind::indices:
             return "a list of whole numbers from 0 on";
+        case Kind::text:
+            return "a string";
         default:
             return "a whole number from 0 on";
     }
 }
 
-// The way from `json` to a member that does not fit.
-std::optional<std::string> misfit(const nlohmann::json& json, std::string_view way, const Member& member) {
-    if (way.empty()) return fits(json, member) ? std::nullopt : std::optional<std::string>("");
+struct Misfit {
+    std::string way;
+    std::string expected;
+};
+
+// The first on the way from `json` that does not fit.
+std::optional<Misfit> misfit(const nlohmann::json& json, std::string_view way, const Member& member) {
+    if (way.empty()) return fits(json, member) ? std::nullopt : std::optional(Misfit{"", words_of(member)});
     const std::string_view step = way.substr(0, way.find('.'));
     way.remove_prefix(std::min(step.size() + 1, way.size()));
     if (step == "[]") {
-        for (size_t i = 0; json.is_array() && i < json.size(); ++i)
-            if (const auto found = misfit(json[i], way, member)) return fmt::format("[{}]{}", i, *found);
+        if (!json.is_array()) return Misfit{"", "a list"};
+        for (size_t i = 0; i < json.size(); ++i)
+            if (const auto found = misfit(json[i], way, member))
+                return Misfit{fmt::format("[{}]{}", i, found->way), found->expected};
         return std::nullopt;
     }
-    if (!json.is_object()) return std::nullopt;
+    if (!json.is_object()) return Misfit{"", "an object"};
     const bool all = step == "{}";
     for (auto item = all ? json.begin() : json.find(step); item != json.end(); ++item) {
         if (const auto found = misfit(item.value(), way, member))
-            return fmt::format(".{}{}", item.key().substr(0, 80), *found);
+            return Misfit{fmt::format(".{}{}", item.key().substr(0, 80), found->way), found->expected};
         if (!all) break;
     }
     return std::nullopt;
@@ -150,9 +169,10 @@ std::optional<std::string> misfit(const nlohmann::json& json, std::string_view w
 }  // namespace
 
 std::string wrong_member(const nlohmann::json& gltf) {
+    if (!gltf.is_object()) return "";  // which the parser says
     for (const Member& member : members)
         if (const auto found = misfit(gltf, member.way, member))
-            return fmt::format("{}: expected {}", found->substr(1), words_of(member));
+            return fmt::format("{}: expected {}", found->way.substr(1), found->expected);
     return "";
 }
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
-// Whether numbers, flags, indices and lists of them in a glTF's JSON are what glTF 2.0 says that they are.
-// tinygltf takes one of another type for one that is not there, and the picture would be another one.
+// Whether numbers, flags, indices, strings and lists of them in a glTF's JSON are what glTF 2.0 says that
+// they are. tinygltf takes one of another type for one that is not there, and the picture would be another
+// one.
 #pragma once
 
 #include <nlohmann/json_fwd.hpp>
