@@ -41,7 +41,9 @@ VKAPI_ATTR PFN_vkVoidFunction VKAPI_CALL of_device(VkDevice device, const char* 
     PENUMBRA_REPLACE(vkCmdBindDescriptorSets)
     PENUMBRA_REPLACE(vkCmdBindPipeline)
     PENUMBRA_REPLACE(vkCmdClearColorImage)
+    PENUMBRA_REPLACE(vkCmdCopyBuffer)
     PENUMBRA_REPLACE(vkCmdCopyBufferToImage)
+    PENUMBRA_REPLACE(vkCmdCopyImage)
     PENUMBRA_REPLACE(vkCmdCopyImageToBuffer)
     PENUMBRA_REPLACE(vkCmdDispatch)
     PENUMBRA_REPLACE(vkCmdDispatchIndirect)
@@ -73,7 +75,7 @@ TEST_F(SteadyStateGpu, RecordingAllocatesNothing) {
         handles.get_instance_proc_addr = of_instance;
         Diagnostics diagnostics;
         CompileOptions options;
-        options.share_transients = true;
+        options.share_transients = options.hand_on_history = true;
         const auto made = compile(shipped_pipeline(name),
                                   {.extent = {64, 32},
                                    .facts = {{"alpha", false}, {"translucent", false}},
@@ -82,7 +84,8 @@ TEST_F(SteadyStateGpu, RecordingAllocatesNothing) {
         ASSERT_TRUE(made) << diagnostics.text();
         const auto plan = std::make_shared<const Plan>(*made);
         const auto program = std::make_shared<const Program>(handles, plan);
-        View view(program, {.transients = program->make_transients()});
+        const auto transients = program->make_transients();
+        View view(program, {.transients = transients});
         Externals externals(*plan);
         for (const HostSlot& slot : plan->slots) {  // never looked at
             SlotBinding& binding = externals[slot.name];
@@ -109,6 +112,12 @@ TEST_F(SteadyStateGpu, RecordingAllocatesNothing) {
             std::chrono::duration<double, std::nano>(std::chrono::steady_clock::now() - start).count();
         EXPECT_EQ(allocations, before) << name;
         EXPECT_GT(calls - calls_before, frames * plan->passes.size()) << name;
+        View heir(program, {.transients = transients, .heir_of = &view});
+        frame.flags = 0;
+        const size_t of_heir = allocations;
+        heir.record(cmd, frame, externals);
+        EXPECT_EQ(allocations, of_heir) << name << ", an heir's first frame";
+        EXPECT_EQ(heir.reset().reason, Reset::Reason::none);
         std::printf("%s: %.0f ns per pass, %zu passes\n", name,
                     ns / frames / static_cast<double>(plan->passes.size()), plan->passes.size());
     }
