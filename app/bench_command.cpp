@@ -71,7 +71,7 @@ std::optional<Job> prepare(const BenchArguments& arguments, const NodeSet& nodes
     job.bench.options.still_camera = arguments.still_camera;
     job.bench.options.rounds = arguments.rounds;
     job.bench.options.light = arguments.light;
-    const auto frames = parse_frames(arguments.frames);
+    const auto frames = parse_frames(arguments.frames, diagnostics);
     if (!frames) return std::nullopt;
     job.bench.options.frames = *frames;
     for (const std::string& text : arguments.sizes) {

@@ -27,7 +27,7 @@ std::optional<std::vector<uint32_t>> choose_frames(const CompareArguments& argum
                                                    const ReferenceInfo& info, Diagnostics& diagnostics) {
     const auto is_of_it = [&](uint32_t frame) { return info.frames.empty() || info.frames.contains(frame); };
     if (!arguments.frames.empty()) {
-        const auto range = parse_frames(arguments.frames);
+        const auto range = parse_frames(arguments.frames, diagnostics);
         if (!range) return std::nullopt;
         std::vector<uint32_t> frames;
         for (uint32_t frame = (*range)[0]; frame <= (*range)[1]; ++frame) frames.push_back(frame);
@@ -211,7 +211,6 @@ class Loader {
 // Sums over frames, until all of them have been seen.
 struct Sums {
     MetricSums mask;
-    std::optional<uint32_t> block_frame;  // with which the last group of dependent frames began
     std::optional<double> bias;
     SsimSum ssim;
     std::vector<float> flip;
@@ -270,12 +269,7 @@ void add_step_in_time(const LoadedFrame& now, const LoadedFrame& before, Flicker
 
 void add_frame(const Loader& loader, const LoadedFrame& loaded, const ReferenceInfo& info, Sums& sums) {
     const ComparedFrame frame = loaded.view();
-    if (sums.block_frame && loaded.number < *sums.block_frame + metric_block_frames) {
-        sums.mask.add_correlated(measure(frame));
-    } else {
-        sums.mask.add(measure(frame));
-        sums.block_frame = loaded.number;
-    }
+    sums.mask.add_frame(loaded.number, measure(frame));
     if (const auto bias = largest_bias_9x9(frame)) sums.bias = std::max(sums.bias.value_or(0), *bias);
     sums.ssim.add(ssim_near_penumbra(frame));
     if (const auto about = info.frames.find(loaded.number); about != info.frames.end()) {

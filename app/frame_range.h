@@ -7,13 +7,16 @@
 #include <optional>
 #include <string>
 
+#include "penumbra/diagnostic.h"
+
 namespace penumbra {
 
 using FrameRange = std::array<uint32_t, 2>;  // inclusive
 
-// "A..B" or "A". Nothing, and a word on stderr, where it is neither.
-std::optional<FrameRange> parse_frames(const std::string& text);
-// The same of a shot; empty: all of its frames. Beyond its last one nothing would move: an error.
+// "A..B" or "A"; anything else is an error.
+std::optional<FrameRange> parse_frames(const std::string& text, Diagnostics& diagnostics);
+// The same of a shot; empty: all of its frames. Beyond its last one nothing would move: an error. Errors go
+// to stderr.
 std::optional<FrameRange> parse_frames(const std::string& text, uint32_t shot_frames);
 
 }  // namespace penumbra

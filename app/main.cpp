@@ -11,11 +11,13 @@
 #include <cstdio>
 #include <filesystem>
 #include <iostream>
+#include <limits>
 #include <new>
 
 #include "app/colored_errors.h"
 #include "app/command_help.h"
 #include "app/commands.h"
+#include "app/shell_quoted.h"
 #include "host/device/device.h"
 
 namespace {
@@ -92,7 +94,8 @@ void add_view_command(CLI::App& app, ViewCommandArguments& a) {
     c->add_option("--light", a.light, "of which of the shot's lights the mask is, where it has several");
     c->add_flag("--validate", a.validate, "Vulkan validation with synchronisation checks");
     c->add_option("--frames", a.frames,
-                  "end after so many (default: when the window is closed; headless: 16)");
+                  "end after so many (default: when the window is closed; headless: 16)")
+        ->check(CLI::Range(1u, std::numeric_limits<uint32_t>::max()));
     CLI::Option* headless =
         c->add_option("--headless", a.headless, "PNG file: write what the window would show, and open none")
             ->excludes(out);
@@ -420,7 +423,7 @@ int run(int argc, char** argv) {
         std::cout << completion_script(app, shell);
         return exit_good;
     }
-    for (int i = 0; i < argc; ++i) report.command_line += (i ? " " : "") + std::string(argv[i]);
+    for (int i = 0; i < argc; ++i) report.command_line += (i ? " " : "") + shell_quoted(argv[i]);
     bench.command_line = report.command_line;
     return dispatch(app, render, plan, check, nodes, reference, compare, report, gates, explain, statics,
                     bench, shot, view);

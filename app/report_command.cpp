@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // penumbra report: measures all that compete and writes results.json, results.csv, tables.md and index.html,
-// in this order and each under its name only when it is whole. An earlier index.html goes first, so that a
-// folder with one is a complete report.
+// in this order and each under its name only when it is whole. An earlier index.html goes before anything is
+// measured, so that a folder with one is a complete report.
 #include <fmt/format.h>
 #include <unistd.h>
 
@@ -34,6 +34,7 @@ using namespace report;
 // all else.
 constexpr const char* quick_shots[] = {"colonnade", "engine"};
 constexpr const char* quick_pipelines[] = {"raw", "fidelityfx", "shadows"};
+constexpr const char* quick_lamp_pipelines[] = {"light_raw", "light_sigma", "light_shadows"};
 
 struct Job {
     fs::path folder;
@@ -81,13 +82,16 @@ std::vector<fs::path> shot_files(const ReportArguments& arguments, const fs::pat
 // Reads everything before anything is run, so that mistakes are found at once.
 std::optional<Job> prepare(const ReportArguments& arguments, const NodeSet& nodes, Diagnostics& diagnostics) {
     const auto study = study_of(arguments);
-    if (!study) return std::nullopt;
+    if (study && study->light == "sun")
+        diagnostics.add({}, "--light", "names a lamp of the shots: leave it out for the sun's masks");
+    if (!study || !diagnostics.empty()) return std::nullopt;
     const fs::path root = shipped_root();
+    const bool of_lamp = !study->light.empty();
     std::vector<std::string> pipelines = arguments.pipelines;
     if (pipelines.empty() && arguments.quick)
-        pipelines.assign(std::begin(quick_pipelines), std::end(quick_pipelines));
-    auto contenders =
-        open_contenders(pipelines, root, nodes, diagnostics, arguments.front, !study->light.empty());
+        pipelines.assign(std::begin(of_lamp ? quick_lamp_pipelines : quick_pipelines),
+                         std::end(of_lamp ? quick_lamp_pipelines : quick_pipelines));
+    auto contenders = open_contenders(pipelines, root, nodes, diagnostics, arguments.front, of_lamp);
     std::vector<LeftOut> cut_shots;
     const std::vector<fs::path> files = shot_files(arguments, root, cut_shots, diagnostics);
     if (!contenders || !diagnostics.empty()) return std::nullopt;
@@ -98,11 +102,10 @@ std::optional<Job> prepare(const ReportArguments& arguments, const NodeSet& node
     Job job;
     job.folder = arguments.out;
     for (const char* inside : {"images", "shots", "parts"}) fs::create_directories(job.folder / inside);
-    fs::remove(job.folder / "index.html");
     const uint32_t still_frames = study->after_cut.empty() ? 0 : study->after_cut.back();
     for (const fs::path& file : files)
         if (auto shot = open_report_shot(file, job.folder / "shots", still_frames, diagnostics))
-            if (study->light.empty() || keep_light_alone(study->light, *shot, diagnostics))
+            if (!of_lamp || keep_light_alone(study->light, *shot, diagnostics))
                 job.shots.push_back(std::move(*shot));
     for (const ReportShot& shot : job.shots)
         if (shot.moving.frames < study->moving_frames)
@@ -119,6 +122,7 @@ std::optional<Job> prepare(const ReportArguments& arguments, const NodeSet& node
     job.results.left_out = std::move(contenders->left_out);
     std::ranges::move(cut_shots, std::back_inserter(job.results.left_out));
     if (!diagnostics.empty()) return std::nullopt;
+    fs::remove(job.folder / "index.html");
     return job;
 }
 
@@ -274,7 +278,9 @@ int run_report(const ReportArguments& arguments) {
     auto scene = load_scene(first, diagnostics, warnings);
     std::optional<std::vector<PipelinePlan>> plans;
     if (scene) {
-        const StandaloneHost host(device, first, std::move(*scene), {first.size, 1, false});
+        StandaloneOptions options{first.size, 1, false};
+        options.light = job->results.study.light;
+        const StandaloneHost host(device, first, std::move(*scene), options);
         plans = plan_contenders(*job, device, host.facts(), diagnostics);
     }
     bool measured = false;

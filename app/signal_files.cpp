@@ -31,10 +31,9 @@ bool has(const FramesByImage& images, const std::string& name, uint32_t frame) {
 std::vector<uint32_t> frames_there(const CompareArguments& arguments, Diagnostics& diagnostics) {
     std::vector<uint32_t> frames;
     if (!arguments.frames.empty()) {
-        const auto range = parse_frames(arguments.frames);
+        const auto range = parse_frames(arguments.frames, diagnostics);
         for (uint32_t frame = range ? (*range)[0] : 1; range && frame <= (*range)[1]; ++frame)
             frames.push_back(frame);
-        if (!range) diagnostics.add({}, "--frames", "not A..B: " + arguments.frames);
         return frames;
     }
     const auto truths = images_in(arguments.reference, diagnostics),

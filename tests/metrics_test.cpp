@@ -133,10 +133,10 @@ TEST(Metrics, FramesArePooled) {
 TEST(Metrics, NeighbouringFramesDoNotNarrowTheInterval) {
     Scene scene;
     scene.add_rays(1, 4);
-    MetricSums once = scene.sums(), apart = once, near = once;
-    for (int i = 0; i < 7; ++i) {
-        apart.add(once);
-        near.add_correlated(once);
+    MetricSums once = scene.sums(), apart, near;
+    for (uint32_t i = 0; i < 8; ++i) {
+        apart.add_frame(metric_block_frames * i, once);
+        near.add_frame(4 * i, once);
     }
     const auto width = [](const MetricSums& sums) {
         const auto [low, high] = metrics_of(sums).n_eff_ci95.value();

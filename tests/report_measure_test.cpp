@@ -234,6 +234,7 @@ TEST_F(ReportMeasure, RowsAreWhatRenderReferenceAndCompareSay) {
         const MaskMetrics& metrics = still ? *row.after(4) : row.moving;
         EXPECT_DOUBLE_EQ(*metrics.n_eff, said["n_eff"]["value"].get<double>()) << file;
         EXPECT_DOUBLE_EQ(*metrics.rmse_all, said["rmse"]["all"].get<double>()) << file;
+        EXPECT_EQ(nlohmann::json(metrics.n_eff_ci95.value()), said["n_eff"]["ci95"]) << file;
         for (const char* folder : {"truth", "1", "2"}) fs::remove_all(folder_ / folder);
     }
 }
@@ -388,6 +389,25 @@ TEST_F(ReportMeasure, AFrontIsMeasuredInMotionAlone) {
     EXPECT_TRUE(fs::exists(folder_ / "out/index.html"));
 }
 
+TEST_F(ReportMeasure, AQuickReportOfALampTakesPipelinesForLamps) {
+    ReportArguments arguments;
+    arguments.out = (folder_ / "out").string();
+    arguments.quick = true;
+    arguments.light = "spot";
+    arguments.size = "48x32";
+    arguments.seeds = arguments.rounds = 1;
+    arguments.rays = 16;
+    arguments.shots = {PENUMBRA_SOURCE_DIR "/scenes/lights/grating.shot.json"};
+    testing::internal::CaptureStdout();
+    testing::internal::CaptureStderr();
+    const int code = run_report(arguments);
+    testing::internal::GetCapturedStdout();
+    EXPECT_EQ(code, exit_good) << testing::internal::GetCapturedStderr();
+    std::ifstream stream(folder_ / "out/results.json");
+    const auto json = nlohmann::json::parse(stream);
+    EXPECT_EQ(json["results"].size(), 3 + brute_force_rays.size() - 1);
+}
+
 TEST_F(ReportMeasure, MistakesAreFoundFirstAndLeaveNoPage) {
     ReportArguments arguments;
     arguments.out = (folder_ / "out").string();
@@ -406,6 +426,20 @@ TEST_F(ReportMeasure, MistakesAreFoundFirstAndLeaveNoPage) {
     arguments.pipelines = {pipeline("raw")};
     arguments.shots = {"nowhere"};
     says("nowhere: no such file, and no shot of that name is shipped");
+    arguments.light = "sun";
+    says("--light: names a lamp of the shots");
+    arguments.light.clear();
+
+    // What is wrong with a shot's own text leaves an old page where it is.
+    fs::create_directories(folder_ / "out");
+    std::ofstream(folder_ / "out/index.html") << "an old page";
+    const fs::path broken = folder_ / "broken.shot.json";
+    std::ofstream(broken) << "{}";
+    arguments.shots = {broken.string()};
+    testing::internal::CaptureStderr();
+    EXPECT_EQ(run_report(arguments), exit_wrong);
+    testing::internal::GetCapturedStderr();
+    EXPECT_TRUE(fs::exists(folder_ / "out/index.html"));
 
     // An object that the scene does not have shows only when the scene is opened: by then an old page is
     // gone.
@@ -415,8 +449,6 @@ TEST_F(ReportMeasure, MistakesAreFoundFirstAndLeaveNoPage) {
     json["scene"] = PENUMBRA_SOURCE_DIR "/scenes/colonnade.glb";
     json["objects"] = {{"gatf", json["objects"]["gate"]}};
     std::ofstream(shot) << json;
-    fs::create_directories(folder_ / "out");
-    std::ofstream(folder_ / "out/index.html") << "an old page";
     arguments.shots = {shot.string()};
     says("gatf");
 }

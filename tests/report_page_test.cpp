@@ -9,6 +9,7 @@
 
 #include "app/report/crops.h"
 #include "app/report/dataflow_figure.h"
+#include "app/report/html.h"
 #include "app/report/images.h"
 #include "app/report/memory_figure.h"
 #include "app/report/motion_image.h"
@@ -171,11 +172,28 @@ TEST_F(ReportPage, HasNoSectionOfWhatWasNotMeasured) {
     EXPECT_NE(text.find("brute force&#39;s time"), std::string::npos);
 }
 
+// Of a lamp no edges are measured, and all else is.
+TEST_F(ReportPage, OfALampSaysSo) {
+    results_.quick = false;
+    results_.study.light = "<spot>";
+    results_.study.edge_widths_px.clear();
+    results_.edge.clear();
+    const std::string text = page();
+    for (const char* said : {"soft shadows of the light \"&lt;spot&gt;\"", "id=\"headline\"",
+                             "the pipeline light_raw with N rays", "<dd>full</dd>"})
+        EXPECT_NE(text.find(said), std::string::npos) << said;
+    for (const char* gone :
+         {"soft sun shadows", "over the sun", "worst edge", "straight edge", "many_rays N"})
+        EXPECT_EQ(text.find(gone), std::string::npos) << gone;
+}
+
 TEST_F(ReportPage, ShowsWhatItIsGivenAsText) {
     const std::string text = page();
     EXPECT_NE(text.find("penumbra report --out &quot;&lt;x&gt;&quot;"), std::string::npos);
     EXPECT_NE(text.find("A &lt;pipeline&gt;."), std::string::npos);
     EXPECT_EQ(text.find("A <pipeline>."), std::string::npos);
+    results_.shots[0].file = "my scenes/it's.shot.json";
+    EXPECT_NE(page().find("--shot " + escape(R"('my scenes/it'\''s.shot.json')")), std::string::npos);
 }
 
 // What does not count is no error, however far off the mask is there.

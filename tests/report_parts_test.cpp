@@ -257,6 +257,18 @@ TEST_F(ReportPart, IsUsedAgainWhereAllThatItDependsOnIsTheSame) {
         "driver", [&] { results_.device.driver = "another"; }, back);
     changed(
         "contenders", [&] { results_.contenders.pop_back(); }, back);
+    // Plain rays at a lamp are a file's, those at the sun the program's own.
+    results_.contenders.push_back({"rays_4", write("rays.json", "{}"), "", PlainRays{4, false}, {"rays=4"}});
+    parts().keep(name(parts()), to_json(results_));
+    write("rays.json", "{ }");
+    EXPECT_TRUE(found());
+    results_.study.light = "lamp";
+    parts().keep(name(parts()), to_json(results_));
+    ASSERT_TRUE(found());
+    write("rays.json", "{}");
+    EXPECT_FALSE(found());
+    results_ = before;
+    parts().keep(name(parts()), to_json(results_));
     fs::create_directories(folder_ / "nodes");
     write("nodes/mine.json", "{}");
     EXPECT_FALSE(found({(folder_ / "nodes").string()}));

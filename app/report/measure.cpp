@@ -142,7 +142,7 @@ void judge_motion(const Bench& bench, const Study& study, TruthSource& source, c
             const ComparedFrame one = compared(study.size, truth, turns.masks(rows[r].contender, frame));
             const MetricSums sums = measure(one);
             if (frame >= study.settling) {
-                pooled[r].add(sums);
+                pooled[r].add_frame(frame, sums);
                 ssim[r].add(ssim_near_penumbra(one));
                 if (const auto bias = largest_bias_9x9(one))
                     rows[r].bias_9x9 = std::max(rows[r].bias_9x9.value_or(0), *bias);

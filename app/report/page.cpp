@@ -219,10 +219,13 @@ std::string method(const Results& results) {
         "and "
         "classification among them; not the shadow maps or the tree of triangles, which the host makes. "
         "Brute force "
-        "of N rays: the pipeline raw with N rays per pixel, spread evenly over the sun (<code>--set "
-        "nodes.trace.params.rays_per_pixel=N</code>); many_rays N: the same where no proof has decided a "
-        "tile "
-        "before.</p>"
+        "of N rays: the pipeline ";
+    out += study.light.empty() ? "raw with N rays per pixel, spread evenly over the sun"
+                               : "light_raw with N rays per pixel, spread evenly over the light";
+    out += " (<code>--set nodes.trace.params.rays_per_pixel=N</code>)";
+    if (study.light.empty()) out += "; many_rays N: the same where no proof has decided a tile before";
+    out +=
+        ".</p>"
         "<p>Equal time: the plain contenders that none of the others beats make a line, straight between "
         "logarithms "
         "of time and N<sub>eff</sub>; beyond its ends it goes on with the slope of its last piece, marked ~. "
@@ -250,7 +253,8 @@ std::string method(const Results& results) {
 std::string report_page(const Results& results, const std::vector<PipelinePlan>& plans,
                         const fs::path& folder) {
     const Study& study = results.study;
-    const bool edges = !study.edge_widths_px.empty(), still = edges && !study.after_cut.empty();
+    const bool edges = !study.edge_widths_px.empty(), still = !study.after_cut.empty(),
+               of_lamp = !study.light.empty();
     std::string links = still ? "<li><a href=\"#headline\">Headline</a></li>\n" : "";
     std::string shots, edge_plots, pipelines;
     for (size_t s = 0; s < results.shots.size(); ++s) {
@@ -265,11 +269,16 @@ std::string report_page(const Results& results, const std::vector<PipelinePlan>&
             edge_plot(results, width), width, study.edge_size[0], study.edge_size[1]);
     for (const PipelinePlan& planned : plans) pipelines += pipeline_article(results, planned);
     // What was not measured has no section.
+    const std::string worst_edge =
+        !edges ? ""
+               : fmt::format(
+                     "; and the worst of all speeds of a straight edge (penumbra {:g} px), which is a "
+                     "property of the pipeline, not of the shot",
+                     headline_width_px(results));
     const std::string headline =
-        !still
-            ? ""
-            : fill(assets::headline_html, {{"worst_width", fmt::format("{:g}", headline_width_px(results))},
-                                           {"headline_table", headline_table(results)}});
+        !still ? ""
+               : fill(assets::headline_html,
+                      {{"worst_edge", worst_edge}, {"headline_table", headline_table(results)}});
     const std::string edge =
         !edges ? ""
                : fill(assets::edge_html, {{"edge_frames", fmt::to_string(study.edge_frame + 1)},
@@ -281,12 +290,15 @@ std::string report_page(const Results& results, const std::vector<PipelinePlan>&
                                    device.subgroup_size)) +
         fact("Driver", device.driver) + fact("penumbra", PENUMBRA_VERSION) +
         fact("Extent", results.quick ? "quick: small images, few frames and seeds; intervals are wide"
-                       : edges       ? "full"
+                       : still       ? "full"
                                      : "speed against error alone, of shots as they move");
     return fill(
         assets::page_html,
         {{"title", "penumbra report"},
-         {"lead", "Masks of soft sun shadows against the truth, and what they cost, beside brute force."},
+         {"lead",
+          fmt::format("Masks of {} against the truth, and what they cost, beside brute force.",
+                      of_lamp ? fmt::format("the soft shadows of the light \"{}\"", escape(study.light))
+                              : "soft sun shadows")},
          {"style", assets::style_css},
          {"facts", facts},
          {"links", links},

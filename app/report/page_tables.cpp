@@ -8,6 +8,7 @@
 #include "app/report/front_figures.h"
 #include "app/report/html.h"
 #include "app/report/plots.h"
+#include "app/shell_quoted.h"
 
 namespace penumbra::report {
 namespace {
@@ -55,7 +56,7 @@ std::string block(const std::string& text) {
 }
 
 std::string of_light(const Study& study) {
-    return study.light.empty() ? "" : " --light " + study.light;
+    return study.light.empty() ? "" : " --light " + shell_quoted(study.light);
 }
 
 std::string render_and_compare(const Study& study, const std::string& file, const std::string& shot,
@@ -67,7 +68,7 @@ std::string render_and_compare(const Study& study, const std::string& file, cons
         "$s "
         "--out "
         "out/$s; done\npenumbra compare out/1 out/truth{}{}\n",
-        study.seeds, file, shot, of_light(study), size[0], size[1], frames, also,
+        study.seeds, shell_quoted(file), shell_quoted(shot), of_light(study), size[0], size[1], frames, also,
         border ? fmt::format(" --border {}", study.analytic_border_px) : "");
 }
 
@@ -81,14 +82,13 @@ double headline_width_px(const Results& results) {
 }
 
 std::string headline_table(const Results& results) {
-    Table table("N_eff with its 95 % interval (bootstrap over 32 x 32 pixels); bold: the best pipeline",
-                {{"shot", false},
-                 {"mask by", false},
-                 {"after 1 frame"},
-                 {"8 frames"},
-                 {"64 frames"},
-                 {"worst edge"},
-                 {"at px / frame"}});
+    const bool edges = !results.study.edge_widths_px.empty();
+    std::vector<Table::Column> columns{
+        {"shot", false}, {"mask by", false}, {"after 1 frame"}, {"8 frames"}, {"64 frames"}};
+    if (edges) columns.insert(columns.end(), {{"worst edge"}, {"at px / frame"}});
+    Table table(
+        "N_eff with its 95 % interval (bootstrap over 32 x 32 pixels x 32 frames); bold: the best pipeline",
+        columns);
     for (size_t s = 0; s < results.shots.size(); ++s) {
         bool first = true;
         for (const Row& row : results.rows) {
@@ -101,9 +101,11 @@ std::string headline_table(const Results& results) {
                                   *m->n_eff == best_after(results, s, frames);
                 cells.push_back(m ? n_eff_cell(*m, best) : "–");
             }
-            const EdgePoint* worst = results.worst_edge(row.contender, headline_width_px(results));
-            cells.push_back(worst ? n_eff_cell(worst->metrics) : "–");
-            cells.push_back(worst ? results.speed_of(*worst) : "–");
+            const EdgePoint* worst =
+                edges ? results.worst_edge(row.contender, headline_width_px(results)) : nullptr;
+            if (edges)
+                cells.insert(cells.end(), {worst ? n_eff_cell(worst->metrics) : "–",
+                                           worst ? results.speed_of(*worst) : "–"});
             table.row(cells, first ? "first" : "");
             first = false;
         }
@@ -202,19 +204,21 @@ std::string commands(const Results& results) {
     while (first < study.settling) first += study.moving_every;
     const uint32_t last = (study.moving_frames - first - 1) / study.moving_every * study.moving_every + first;
     const std::string frames = fmt::format("{}..{}", first, last);
-    out += "<p>RMSE and N<sub>eff</sub> of a moving shot:</p>" +
-           block(fmt::format(
-                     "penumbra reference --shot {}{} --size {}x{} --frames {} --rays {} --out out/truth\n",
-                     shot.file, of_light(study), shot.size[0], shot.size[1], frames, study.rays) +
-                 render_and_compare(study, pipeline->file, shot.file, shot.size,
-                                    fmt::format("{} --every {}", frames, study.moving_every), shot.exact));
+    out +=
+        "<p>RMSE and N<sub>eff</sub> of a moving shot:</p>" +
+        block(fmt::format(
+                  "penumbra reference --shot {}{} --size {}x{} --frames {} --rays {} --out out/truth\n",
+                  shell_quoted(shot.file), of_light(study), shot.size[0], shot.size[1], frames, study.rays) +
+              render_and_compare(study, pipeline->file, shot.file, shot.size,
+                                 fmt::format("{} --every {}", frames, study.moving_every), shot.exact));
     if (!study.after_cut.empty()) {
         const uint32_t still = study.after_cut.back() - 1;
         out +=
             fmt::format("<p>N<sub>eff</sub> {} frames after a cut:</p>", still + 1) +
             block(fmt::format(
                       "penumbra reference --shot {}{} --size {}x{} --frames {} --rays {} --out out/truth\n",
-                      shot.still_file, of_light(study), shot.size[0], shot.size[1], still, study.rays) +
+                      shell_quoted(shot.still_file), of_light(study), shot.size[0], shot.size[1], still,
+                      study.rays) +
                   render_and_compare(study, pipeline->file, shot.still_file, shot.size, fmt::to_string(still),
                                      shot.exact));
     }

@@ -9,7 +9,8 @@
 
 namespace penumbra::report {
 
-// Four numbers per shot and contender: N_eff 1, 8 and 64 frames after a cut, and the worst edge's.
+// Four numbers per shot and contender: N_eff 1, 8 and 64 frames after a cut, and, where edges were measured,
+// the worst one's.
 std::string headline_table(const Results& results);
 // Cost and quality of all contenders on a shot, moving.
 std::string shot_table(const Results& results, size_t shot);

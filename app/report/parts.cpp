@@ -51,8 +51,9 @@ Parts::Parts(fs::path folder, const Results& results, const std::vector<std::str
     common_ += json_dump(to_json(results).at("study"));
     for (const Contender& contender : results.contenders) {
         common_ += contender.id;
-        if (!contender.file.empty() && !(contender.variant() && contender.brute_force()))
-            common_ += digest_of(files_of_pipelines({contender.file}));  // the program's own is a part of it
+        const bool of_program = results.study.light.empty() && contender.variant() && contender.brute_force();
+        if (!contender.file.empty() && !of_program)  // whose own text the program's digest holds
+            common_ += digest_of(files_of_pipelines({contender.file}));
     }
     for (const std::string& nodes : node_folders) common_ += folder_digest(nodes);
 }

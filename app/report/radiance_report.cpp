@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // penumbra report --signal: measures all that compete and writes results.json, tables.md and index.html,
-// whose earlier one goes first, so that a folder with one is a complete report.
+// whose earlier one goes before anything is measured, so that a folder with one is a complete report.
 #include "app/report/radiance_report.h"
 
 #include <fmt/format.h>
@@ -84,7 +84,6 @@ std::optional<Job> prepare(const ReportArguments& arguments, const NodeSet& node
         return std::nullopt;
     job.results.contenders = std::move(*contenders);
     for (const char* inside : {"images", "shots"}) fs::create_directories(job.folder / inside);
-    fs::remove(job.folder / "index.html");
     for (const fs::path& file : files)
         if (auto shot = open_report_shot(file, job.folder / "shots", study->after.back(), diagnostics))
             job.shots.push_back(std::move(*shot));
@@ -94,6 +93,7 @@ std::optional<Job> prepare(const ReportArguments& arguments, const NodeSet& node
                 {shot.moving.file.string()}, "frames",
                 fmt::format("is {}: frame {} is measured", shot.moving.frames, study->moving_frame));
     if (!diagnostics.empty()) return std::nullopt;
+    fs::remove(job.folder / "index.html");
     return job;
 }
 

@@ -108,6 +108,15 @@ void MetricSums::add_correlated(const MetricSums& other) {
     blocks.resize(first + other.blocks.size());
 }
 
+void MetricSums::add_frame(uint32_t frame, const MetricSums& other) {
+    if (block_frame && frame < *block_frame + metric_block_frames) {
+        add_correlated(other);
+    } else {
+        add(other);
+        block_frame = frame;
+    }
+}
+
 void check_sizes(const ComparedFrame& frame, const char* caller) {
     const size_t pixels = frame.pixels();
     bool fits = frame.truth.size() == pixels && frame.counted.size() == pixels && !frame.seeds.empty() &&

@@ -36,11 +36,14 @@ struct MetricSums {
     struct Block {
         double signal = 0, squares = 0;
     };
-    std::vector<Block> blocks;  // for the interval of confidence
+    std::vector<Block> blocks;            // for the interval of confidence
+    std::optional<uint32_t> block_frame;  // with which the last group of dependent frames began
 
     void add(const MetricSums& other);
     // Of a frame so near in time that its blocks are the last frame's blocks once more.
     void add_correlated(const MetricSums& other);
+    // Either, by a frame's number; numbers rise.
+    void add_frame(uint32_t frame, const MetricSums& other);
 };
 
 MetricSums measure(const ComparedFrame& frame);

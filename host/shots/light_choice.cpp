@@ -39,6 +39,10 @@ std::optional<ChosenLight> choose_light(const Shot& shot, const std::string& nam
         names.push_back(key);
         if (lights != LightsFor::sun) fitting.push_back(key);
     }
+    if (names.empty()) {
+        diagnostics.add({shot.file.string(), 0, 0}, "--light", "the shot has no light");
+        return std::nullopt;
+    }
     if (fitting.empty()) fitting = names;  // whoever asks for such a light is told which there are
     const std::string wanted = name.empty() && fitting.size() == 1 ? fitting.front() : name;
     if (wanted.empty()) {
