@@ -29,18 +29,27 @@ namespace {
 
 constexpr const char* reading_models = "reading the model";
 
-// The shot of a "scene" and nothing else, to be completed from what its models hold.
-std::optional<Shot> models_alone(const nlohmann::json& scene, const fs::path& file,
-                                 Diagnostics& diagnostics) {
+// The shot of a "scene" and whatever else is `said`, to be completed from what its models hold.
+std::optional<Shot> models_alone(const nlohmann::json& said, const fs::path& file, Diagnostics& diagnostics) {
     const auto nowhere = nlohmann::json::parse(
         R"({ "keys": [{ "frame": 0, "position": [0, 0, 1], "target": [0, 0, 0], "to_sun": [0, 1, 0] }] })");
     nlohmann::json camera = nowhere, sun = nowhere;
     camera["keys"][0].erase("to_sun");
     sun["keys"][0].erase("position");
     sun["keys"][0].erase("target");
-    return parse_shot(
-        json_dump(nlohmann::json{{"penumbra_shot", 1}, {"scene", scene}, {"camera", camera}, {"sun", sun}}),
-        file, diagnostics);
+    nlohmann::json shot{{"penumbra_shot", 1}, {"camera", camera}, {"sun", sun}};
+    shot.update(said);
+    return parse_shot(json_dump(shot), file, diagnostics);
+}
+
+// `models`, with the frames, their time and the animation of its text; mistakes in them are told where all of
+// it is read.
+Shot as_played(const Shot& models, const nlohmann::json& text, const fs::path& file) {
+    nlohmann::json said;
+    for (const char* key : {"scene", "frames", "fps", "animation"})
+        if (text.contains(key)) said[key] = text[key];
+    Diagnostics told_later;
+    return models_alone(said, file, told_later).value_or(models);
 }
 
 // Why a shot that nobody wrote cannot be read: mostly a size that no camera has numbers for.
@@ -94,7 +103,7 @@ std::optional<ViewSource> open_models(const std::vector<std::string>& files, boo
             !is_there(file, diagnostics) && diagnostics.size() == before)
             diagnostics.add({file, 0, 0}, "", "no such file");
     if (!diagnostics.empty()) return std::nullopt;
-    std::optional<Shot> models = models_alone(scene, shot_file, diagnostics);
+    std::optional<Shot> models = models_alone({{"scene", scene}}, shot_file, diagnostics);
     if (models) name_as_given(*models, files);
     Doing doing;
     doing(reading_models);
@@ -137,7 +146,7 @@ std::optional<Shot> read_completed_shot(const fs::path& file, Diagnostics& diagn
     if (!of_model || (camera && sun)) return read_shot(file, diagnostics);
     // Mistakes of the scene's are told with all others, by their places in the file.
     Diagnostics of_scene;
-    const std::optional<Shot> models = models_alone(json["scene"], file, of_scene);
+    const std::optional<Shot> models = models_alone({{"scene", json["scene"]}}, file, of_scene);
     const size_t before = diagnostics.size();
     const auto there = [&](const fs::path& model) { return is_there(model, diagnostics); };
     if (!models || !(models->models.empty() ? there(models->model)
@@ -148,7 +157,8 @@ std::optional<Shot> read_completed_shot(const fs::path& file, Diagnostics& diagn
     const auto model = load_models(*models, diagnostics);
     doing.clear();
     if (!model) return std::nullopt;
-    const ModelShot made = make_model_shot(*model, file, file.parent_path(), false);
+    const Shot played = as_played(*models, json, file);
+    const ModelShot made = make_model_shot(*model, file, file.parent_path(), false, &played);
     const auto made_up = nlohmann::ordered_json::parse(made.text);
     std::string missing;
     const auto complete = [&](const char* key) {

@@ -5,6 +5,7 @@
 #include <regex>
 #include <set>
 
+#include "app/view_source.h"
 #include "host/scene/scene.h"
 #include "host/shots/model_lights.h"
 #include "host/shots/model_shot.h"
@@ -230,6 +231,34 @@ TEST(GltfFeatures, AShotPlaysTheFirstAnimationThatMoves) {
     EXPECT_EQ(Json::parse(made.text)["frames"], 31);
     ASSERT_EQ(made.warnings.count("animation"), 1u);
     EXPECT_EQ(made.warnings.find("animation")->second, "of 2 animations \"Walk\" is played");
+}
+
+// The model's own camera goes as its node does in the animation and at the frames per second of the shot that
+// it completes, and stands where that plays none.
+TEST(GltfFeatures, AShotIsCompletedAsItIsPlayed) {
+    Glb glb = square_file();
+    const int input = glb.floats({0, 2}, "SCALAR", 1), output = glb.floats({0, 0, 3, 0, 0, 9}, "VEC3", 3);
+    glb.json["cameras"] = {{{"type", "perspective"}, {"perspective", {{"yfov", 0.5}, {"znear", 0.1}}}}};
+    glb.json["nodes"].push_back({{"camera", 0}, {"translation", {0, 0, 3}}});
+    glb.json["scenes"] = {{{"nodes", {0, 1}}}};
+    glb.json["animations"] = {
+        {{"samplers", {{{"input", input}, {"output", output}}}},
+         {"channels", {{{"sampler", 0}, {"target", {{"node", 1}, {"path", "translation"}}}}}}}};
+    const fs::path model = glb.save("played.glb"), file = fs::path(model).replace_extension(".shot.json");
+    const auto completed = [&](const std::string& played) {
+        std::ofstream(file) << R"({"penumbra_shot": 1, "scene": "played.glb", "frames": 121)" << played
+                            << "}";
+        Diagnostics diagnostics;
+        auto shot = read_completed_shot(file, diagnostics);
+        EXPECT_TRUE(shot) << diagnostics.text();
+        return shot.value_or(Shot{});
+    };
+    const Shot at_60 = completed(R"(, "animation": 0)");
+    EXPECT_NEAR(camera_at(at_60, 60, 1).position[2], 6, 1e-3);
+    EXPECT_NEAR(camera_at(at_60, 120, 1).position[2], 9, 1e-3);
+    EXPECT_NEAR(camera_at(completed(R"(, "animation": 0, "fps": 120)"), 120, 1).position[2], 6, 1e-3);
+    EXPECT_EQ(completed("").camera.size(), 1u);
+    EXPECT_EQ(completed(R"(, "animation": "none such")").camera.size(), 1u) << "told where it is opened";
 }
 
 TEST(GltfFeatures, AShotTellsWhatIsNotDrawn) {

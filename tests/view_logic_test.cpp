@@ -193,6 +193,46 @@ TEST(ViewFlight, AStraightFlightTakesTwoKeysAndAStandOne) {
     EXPECT_EQ(b->camera.size(), 1u);
 }
 
+// However near to a small model: a metre ahead, where hands look, is far beyond it.
+TEST(ViewFlight, ASmallScenesFlightKeepsToItsCourse) {
+    Shot shot = flown_shot();
+    shot.camera.front().target = shot.camera.front().position + glm::dvec3(0, 0, -0.01);
+    FlightRecord record;
+    const auto at = [](double t) {
+        Stance s;
+        s.camera.position = 0.005 * glm::dvec3(std::cos(3 * t), 0, std::sin(3 * t));
+        s.camera.target = s.camera.position + glm::dvec3(0, 0, -1);
+        s.sun.to_sun = {0, 1, 0};
+        return s;
+    };
+    for (int frame = 0; frame <= 60; ++frame) record.add(at(frame / 30.0), frame / 30.0);
+    Diagnostics diagnostics;
+    const auto flown =
+        parse_shot(record.shot_text(shot_text, shot, "/somewhere"), "/somewhere/a.shot.json", diagnostics);
+    ASSERT_TRUE(flown) << diagnostics.text();
+    for (uint32_t frame = 0; frame < flown->frames; ++frame)
+        EXPECT_LT(glm::distance(glm::make_vec3(camera_at(*flown, frame, 1).position.data()),
+                                glm::make_vec3(seen(*flown, at(frame / 30.0)).position.data())),
+                  2e-5);
+}
+
+TEST(ViewFlight, ALongFlightIsAShotOfAsManyFramesAsThereMayBe) {
+    FlightRecord record;
+    Stance s;
+    s.camera.target = {0, 0, -1};
+    s.sun.to_sun = {0, 1, 0};
+    record.add(s, 0);
+    record.add(s, 99'999 / 30.0);
+    EXPECT_FALSE(record.has_more(30));
+    record.add(s, 4000);
+    EXPECT_TRUE(record.has_more(30));
+    Diagnostics diagnostics;
+    const auto flown = parse_shot(record.shot_text(shot_text, flown_shot(), "/somewhere"),
+                                  "/somewhere/a.shot.json", diagnostics);
+    ASSERT_TRUE(flown) << diagnostics.text();
+    EXPECT_EQ(flown->frames, FlightRecord::most_frames);
+}
+
 class ViewFiles : public ::testing::Test {
   protected:
     void SetUp() override { fs::create_directories(folder_ / "nodes/shared"); }

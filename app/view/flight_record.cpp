@@ -51,9 +51,13 @@ double share(size_t a, size_t b, size_t i) {
 
 }  // namespace
 
+double FlightRecord::lasting(double fps) const {
+    return std::floor(seconds() * fps + 1e-6);
+}
+
 std::vector<Stance> FlightRecord::frames(double fps) const {
     std::vector<Stance> stances;
-    const auto count = static_cast<size_t>(std::floor(seconds() * fps + 1e-6)) + 1;
+    const size_t count = has_more(fps) ? most_frames : static_cast<size_t>(lasting(fps)) + 1;
     for (size_t frame = 0, after = 0; frame < count; ++frame) {
         const double time = static_cast<double>(frame) / fps;
         while (after + 1 < held_.size() && held_[after].seconds < time) ++after;
@@ -73,12 +77,16 @@ std::string FlightRecord::shot_text(const std::string& base, const Shot& shot, c
     if (held_.empty()) throw std::logic_error("a recorded flight has a frame");
     const std::vector<Stance> stances = frames(shot.fps);
     constexpr double fine = 1e-3;
+    // Hands look a metre ahead, whatever the size of the scene.
+    const CameraKey& first = shot.camera.front();
+    const double near = fine * std::max(glm::length(first.target - first.position), 1e-9);
     const auto missed_by_camera = [&](size_t a, size_t b, size_t i) {
         const CameraKey &p = stances[a].camera, &q = stances[b].camera, &r = stances[i].camera;
-        const double t = share(a, b, i), scale = fine * std::max(glm::length(r.target - r.position), 1e-9);
-        return std::max({glm::length(glm::mix(p.position, q.position, t) - r.position) / scale,
-                         glm::length(glm::mix(p.target, q.target, t) - r.target) / scale,
-                         glm::length(glm::mix(p.up, q.up, t) - r.up) / fine});
+        const double t = share(a, b, i), ahead = fine * std::max(glm::length(r.target - r.position), 1e-9);
+        return std::max(
+            {glm::length(glm::mix(p.position, q.position, t) - r.position) / std::min(ahead, near),
+             glm::length(glm::mix(p.target, q.target, t) - r.target) / ahead,
+             glm::length(glm::mix(p.up, q.up, t) - r.up) / fine});
     };
     const auto missed_by_sun = [&](size_t a, size_t b, size_t i) {
         const glm::dvec3 on_course = glm::mix(stances[a].sun.to_sun, stances[b].sun.to_sun, share(a, b, i));

@@ -18,12 +18,15 @@ class FlightRecord {
     void add(const Stance& stance, double seconds) { held_.push_back({stance, seconds}); }
     bool empty() const { return held_.empty(); }
     double seconds() const { return held_.empty() ? 0 : held_.back().seconds; }
+    static constexpr uint32_t most_frames = 100'000;  // of any shot
+    // Whether it lasts longer than a shot of so many frames per second can: its shot ends before it does.
+    bool has_more(double fps) const { return lasting(fps) >= most_frames; }
 
     // The text of a shot file that will stand in `folder`. `base`: the flown shot's own text, as it stands in
     // the folder of `shot`. The camera and the sun get a key wherever a straight course between two keys
-    // would miss what was recorded by more than a thousandth of what the camera looks at, or a direction
-    // by as much. What moves by itself (objects, an animation) plays from the shot's first frame. Not of an
-    // empty record.
+    // would miss what was recorded by more than a thousandth of how far the target is, at the shot's first
+    // key or then, whichever is nearer, or a direction by as much. What moves by itself (objects, an
+    // animation) plays from the shot's first frame. Not of an empty record.
     std::string shot_text(const std::string& base, const Shot& shot,
                           const std::filesystem::path& folder) const;
 
@@ -32,6 +35,7 @@ class FlightRecord {
         Stance stance;
         double seconds = 0;
     };
+    double lasting(double fps) const;  // frames, but the first
     std::vector<Stance> frames(double fps) const;
 
     std::vector<Held> held_;

@@ -247,10 +247,14 @@ int run_window(Device& device, const ViewCommandArguments& a, Live& live, const 
         if (asked.screenshot)
             panels.said = keep(job.folder, "view", ".png",
                                [&](const fs::path& file) { write_screenshot(file, canvas, live, panels); });
-        if (asked.write_record && !live.recorded().empty())
+        if (asked.write_record && !live.recorded().empty()) {
             panels.said = keep(job.folder, "flight", ".shot.json", [&](const fs::path& file) {
                 write_text(file, live.recorded().shot_text(job.base, live.shot(), job.folder));
             });
+            if (live.recorded().has_more(live.shot().fps))
+                panels.said +=
+                    fmt::format(", with the first {} frames: a shot has no more", FlightRecord::most_frames);
+        }
         if (a.frames > 0 && live.frames() >= a.frames) break;
     }
     return exit_good;

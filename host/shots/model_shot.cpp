@@ -10,6 +10,7 @@
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <set>
+#include <stdexcept>
 #include <utility>
 #include <vector>
 
@@ -258,6 +259,30 @@ std::optional<size_t> animation_of(const Model& model, ModelShot& out) {
     return index;
 }
 
+Shot playing_first(const Model& model, ModelShot& out) {
+    Shot shot;
+    shot.fps = fps;
+    shot.frames = still_frames;
+    if (const std::optional<size_t> animation = animation_of(model, out)) {
+        shot.animation = std::to_string(*animation);
+        shot.frames = static_cast<uint32_t>(std::clamp(
+            std::ceil(model.animations[*animation].duration_s * fps) + 1, 2.0, double(most_frames)));
+    }
+    return shot;
+}
+
+Shot playing_as(const Shot& played, const Model& model) {
+    Shot shot;
+    shot.fps = played.fps;
+    shot.frames = played.frames;
+    try {
+        find_animation(model, played.animation);
+        shot.animation = played.animation;
+    } catch (const std::runtime_error&) {  // told where the scene is opened
+    }
+    return shot;
+}
+
 void tell_translucents(const Scene& scene, ModelShot& out) {
     const Model& model = scene.model();
     struct Group {
@@ -307,17 +332,10 @@ std::string seen_from(const std::filesystem::path& file, const std::filesystem::
 }
 
 ModelShot make_model_shot(const Model& model, const std::filesystem::path& file,
-                          const std::filesystem::path& shot_folder, bool ground) {
-    Shot shot;
-    shot.fps = fps;
-    uint32_t frames = still_frames;
+                          const std::filesystem::path& shot_folder, bool ground, const Shot* played) {
     ModelShot out;
-    const std::optional<size_t> animation = animation_of(model, out);
-    if (animation) {
-        shot.animation = std::to_string(*animation);
-        frames = static_cast<uint32_t>(std::clamp(
-            std::ceil(model.animations[*animation].duration_s * fps) + 1, 2.0, double(most_frames)));
-    }
+    const Shot shot = played ? playing_as(*played, model) : playing_first(model, out);
+    const uint32_t frames = shot.frames;
     const Scene scene(model, shot);
     tell_translucents(scene, out);
     out.bounds = bounds_of(scene, frames);
@@ -328,11 +346,12 @@ ModelShot make_model_shot(const Model& model, const std::filesystem::path& file,
     json["scene"] = seen_from(file, shot_folder);
     json["size"] = {1280, 720};
     json["frames"] = frames;
-    json["fps"] = fps;
+    json["fps"] = shot.fps;
     json["camera"] = camera_of(scene, frames, size, out);
     json["sun"] = sun_of(scene, frames, out);
     if (OrderedJson lights = lights_of(model, out); !lights.empty()) json["lights"] = std::move(lights);
-    if (animation) json["animation"] = *animation;
+    if (const int animation = find_animation(model, shot.animation); animation >= 0)
+        json["animation"] = animation;
     if (ground) {
         const glm::dvec3 center = 0.5 * (low + high);
         json["ground"] = {{"height", rounded(low.y, size)},

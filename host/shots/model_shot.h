@@ -27,7 +27,9 @@ struct ModelShot {
 std::string seen_from(const std::filesystem::path& file, const std::filesystem::path& folder);
 
 // `model` is what `file` holds, with at least one triangle; `shot_folder` is where the shot will stand.
+// `played`: the frames, their time and the animation that it has already, instead of those above.
 ModelShot make_model_shot(const Model& model, const std::filesystem::path& file,
-                          const std::filesystem::path& shot_folder, bool ground);
+                          const std::filesystem::path& shot_folder, bool ground,
+                          const Shot* played = nullptr);
 
 }  // namespace penumbra
