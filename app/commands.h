@@ -101,7 +101,7 @@ struct CompareArguments {
     std::vector<std::string> also;  // folders of the same images under other seeds
     std::string frames, mask;
     std::string light;                  // of a pipeline that takes several: whose mask is compared
-    std::string signal = "visibility";  // or specular, diffuse, lit, color
+    std::string signal = "visibility";  // or transmittance, specular, diffuse, lit, color
     std::string picture;                // PNG to write, of pictures: the last frame's, beside each other
     uint32_t border = 0;                // pixels along the image's border that are left out
     bool json = false;

@@ -213,7 +213,7 @@ int draw(const ExplainArguments& arguments, const Job& job, const Explanation& e
     const CoverageCaption caption{job.shot.name, arguments.frame, explanation.size(), *pixel};
     if (!write_figure(arguments.out,
                       coverage_figure(explanation.sun(), explanation.receiver(*pixel), coverage, caption)))
-        return exit_wrong;
+        return exit_failed;
     fmt::print("pixel {}{}: {} (the node: {:.3f})\n", name, job.pixel ? "" : ", which has the most triangles",
                coverage_summary(coverage), explanation.visibility(*pixel));
     return exit_good;
@@ -249,7 +249,7 @@ int draw_gather(const ExplainArguments& arguments, const Job& job, const RayGath
         return exit_wrong;
     }
     const CoverageCaption caption{job.shot.name, arguments.frame, gatherer.size(), *pixel};
-    if (!write_figure(arguments.out, gather_figure(*gathered, caption))) return exit_wrong;
+    if (!write_figure(arguments.out, gather_figure(*gathered, caption))) return exit_failed;
     fmt::print("pixel {}{}: {}\n", name, job.pixel ? "" : ", whose sun most rays test",
                gather_summary(*gathered));
     return exit_good;
@@ -303,7 +303,7 @@ int draw_beams(const ExplainArguments& arguments, const Job& job, const TileBeam
         return job.pixel ? exit_wrong : exit_failed;
     }
     const CoverageCaption caption{job.shot.name, arguments.frame, job.size, {}};
-    if (!write_figure(arguments.out, beam_figure(beams, caption))) return exit_wrong;
+    if (!write_figure(arguments.out, beam_figure(beams, caption))) return exit_failed;
     for (const TileBeam& beam : beams) fmt::print("{}\n", beam_summary(beam));
     return exit_good;
 }
@@ -317,7 +317,7 @@ int draw_budget(const ExplainArguments& arguments, Session& session) {
         write_file(arguments.out, png_of_rgba(picture.size[0], picture.size[1], picture.rgba));
     } catch (const FileError& e) {
         complain(fmt::format("--out: {}", e.what()));
-        return exit_wrong;
+        return exit_failed;
     }
     fmt::print("frame {}: {}\n", arguments.frame, picture.summary());
     return exit_good;
@@ -366,7 +366,7 @@ int explain_costs(const ExplainArguments& arguments) {
         if (auto read = read_costs(file, diagnostics)) costs.push_back(std::move(*read));
     spares({arguments.out}, {FileList(arguments.costs.begin(), arguments.costs.end())}, diagnostics);
     if (!diagnostics.empty()) return wrong(diagnostics);
-    return write_figure(arguments.out, cost_figure(costs)) ? exit_good : exit_wrong;
+    return write_figure(arguments.out, cost_figure(costs)) ? exit_good : exit_failed;
 }
 
 }  // namespace

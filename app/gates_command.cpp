@@ -167,6 +167,12 @@ int run_gates(const GatesArguments& arguments) {
         if (!has_penumbra(study, width))
             diagnostics.add({}, "--widths",
                             fmt::format("no pixel's centre is within a penumbra of {} px", width));
+        else if (parts.contains("jump") && !has_jump(study, width))
+            diagnostics.add(
+                {}, "--widths",
+                fmt::format("a penumbra of {} px is too wide for the part \"jump\": no pixel changes "
+                            "by more than a half",
+                            width));
     const fs::path root = shipped_root();
     std::vector<std::pair<std::string, CheckedPipeline>> pipelines;
     for (const std::string& name : arguments.pipelines)
@@ -182,9 +188,10 @@ int run_gates(const GatesArguments& arguments) {
             progress.print(fmt::format(
                 "{}{}, {}, {}x{}, edge at {:g} degrees\n\n", &name == &pipelines.front().first ? "" : "\n",
                 name, counted(study.seeds, "seed"), study.size[0], study.size[1], study.edge_deg));
-            good = good && print_tables({device, *nodes, pipeline, study, [&] { progress.step(); },
-                                         diagnostics, warnings},
-                                        parts, progress);
+            good = print_tables(
+                {device, *nodes, pipeline, study, [&] { progress.step(); }, diagnostics, warnings}, parts,
+                progress);
+            if (!good) break;
         }
     }
     print_warnings(warnings);

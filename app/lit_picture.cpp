@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "app/lit_picture.h"
 
+#include <fmt/format.h>
+
 #include <cmath>
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
@@ -20,6 +22,10 @@ std::vector<glm::vec3> displayed(const std::vector<glm::vec3>& rgb) {
     return out;
 }
 
+bool is_finite(const glm::vec3& v) {
+    return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z);
+}
+
 }  // namespace
 
 std::optional<Picture> read_picture(const std::filesystem::path& file, Diagnostics& diagnostics) {
@@ -34,12 +40,23 @@ std::optional<Picture> read_picture(const std::filesystem::path& file, Diagnosti
     return Picture{image->width, image->height, triples(*image, {"R", "G", "B"})};
 }
 
+bool is_finite(const Picture& truth, const std::filesystem::path& file, Diagnostics& diagnostics) {
+    for (size_t i = 0; i < truth.rgb.size(); ++i) {
+        if (is_finite(truth.rgb[i])) continue;
+        diagnostics.add({file.string(), 0, 0}, "",
+                        fmt::format("is a reference, and pixel {},{} of it is not finite", i % truth.width,
+                                    i / truth.width));
+        return false;
+    }
+    return true;
+}
+
 PictureError picture_error(const Picture& image, const Picture& truth) {
     PictureError out;
     std::vector<glm::vec3> shown = image.rgb;
     double is_sum = 0, should_sum = 0;
     for (size_t i = 0; i < shown.size(); ++i) {
-        if (!std::isfinite(shown[i].x) || !std::isfinite(shown[i].y) || !std::isfinite(shown[i].z)) {
+        if (!is_finite(shown[i])) {
             ++out.nonfinite;
             shown[i] = glm::vec3(0);
         }

@@ -28,6 +28,10 @@ struct PictureError {
     uint64_t nonfinite = 0;      // pixels, which count as black
 };
 // Of the same size, and not empty.
+// Whether all of a truth is finite; the first pixel that is not is an error of its file's.
+bool is_finite(const Picture& truth, const std::filesystem::path& file, Diagnostics& diagnostics);
+
+// `truth` is finite.
 PictureError picture_error(const Picture& image, const Picture& truth);
 
 // With channels R, G and B, as read_picture() reads them.

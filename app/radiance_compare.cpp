@@ -139,9 +139,10 @@ int compare_pictures(const CompareArguments& arguments) {
     if (!frames || !spares_images(arguments, *frames, diagnostics)) return wrong(diagnostics);
     nlohmann::ordered_json list = nlohmann::ordered_json::array();
     for (const uint32_t frame : *frames) {
+        const fs::path truth_file = file_of(arguments.reference, arguments.signal, frame);
         const auto image = read_picture(file_of(arguments.image, arguments.signal, frame), diagnostics),
-                   truth = read_picture(file_of(arguments.reference, arguments.signal, frame), diagnostics);
-        if (!image || !truth) return wrong(diagnostics);
+                   truth = read_picture(truth_file, diagnostics);
+        if (!image || !truth || !is_finite(*truth, truth_file, diagnostics)) return wrong(diagnostics);
         if (image->width != truth->width || image->height != truth->height) {
             diagnostics.add({arguments.image, 0, 0}, "", "is of another size than the reference");
             return wrong(diagnostics);

@@ -204,7 +204,7 @@ int write_radiance(const ReferenceArguments& arguments, const Job& job) {
     // Whose truth it is. One of visibility that is there says that of each of its frames, and is kept.
     Diagnostics none;
     const auto there = read_reference_info(folder, none);
-    if (!there || (there->frames.empty() && fs::path(there->shot).filename() != shot.file.filename()))
+    if (!there || there->frames.empty())
         write_reference_info(folder, {shot.file.string(), shot.size, false, arguments.rays, {}, {}});
     progress.print(fmt::format("written to {}\n", (folder / "").string()));
     return exit_good;

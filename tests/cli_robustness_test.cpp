@@ -137,6 +137,8 @@ TEST_F(CliRobustness, WhatCannotBeAnsweredIsRefused) {
     expect(run("bench raw --sizes 640"), 2, "--sizes: ");
     expect(run("view --window 1280 --shot engine"), 2, "--window: ");
     expect(run("gates raw --parts still --edge-deg 0 --widths 0.5 --seeds 1"), 2, "no pixel's centre");
+    expect(run("gates raw --widths 8,128 --seeds 1"), 2, "--widths: a penumbra of 128 px is too wide");
+    expect(run("view --frames 0 --shot engine"), 2, "--frames: ");
     for (const char* option : {"--budget", "--beams", "--gather", "--no-jitter", "--ground", "--device x"})
         expect(run("explain --out c.svg --costs x.json " + std::string(option)), 2, "excludes");
     expect(run("explain --shot lights/interior --out c.svg"), 2, "has no sun");

@@ -76,6 +76,24 @@ bool run(const Bench& bench, const Shot& shot, uint32_t seeds, uint32_t from, co
     return true;
 }
 
+Shot jump_shot(const Study& study, double width_px, double distance_px) {
+    Shot shot = edge_shot(study, width_px, study.jump_frame + study.frames_after_jump);
+    shot.analytic->offset_px = -0.5 * distance_px;
+    // The shadow of what hangs at a height h moves by -h times what the sun's direction, 1 upwards, moves.
+    const AnalyticGeometry geometry = analytic_geometry(shot, 0);
+    const glm::dvec3 jumped =
+        to_sun - glm::dvec3(distance_px * analytic_pixel_m / geometry.height * geometry.normal, 0);
+    shot.sun = {{0, to_sun}, {double(study.jump_frame - 1), to_sun}, {double(study.jump_frame), jumped}};
+    return shot;
+}
+
+std::optional<StepFinder::Step> step_of(const Study& study, const Judge& before, const Judge& after) {
+    StepFinder finder;
+    finder.add(study.jump_frame - 1, before.truth, before.counted);
+    finder.add(study.jump_frame, after.truth, after.counted);
+    return finder.step();
+}
+
 Estimate estimate(std::vector<double> samples) {
     return report::median_of(std::move(samples)).value();
 }
@@ -108,6 +126,14 @@ bool has_penumbra(const Study& study, double width_px) {
     for (size_t p = 0; p < judge.truth.size(); ++p)
         if (judge.counted[p] && in_penumbra(judge.truth[p])) return true;
     return false;
+}
+
+bool has_jump(const Study& study, double width_px) {
+    return std::ranges::all_of(std::array{-study.jump_px, study.jump_px}, [&](double distance_px) {
+        const Shot shot = jump_shot(study, width_px, distance_px);
+        return step_of(study, {study, shot, study.jump_frame - 1}, {study, shot, study.jump_frame})
+            .has_value();
+    });
 }
 
 std::optional<Still> measure_still(const Bench& bench, double width_px) {
@@ -150,18 +176,9 @@ std::optional<std::vector<Moving>> measure_moving(const Bench& bench, double wid
 
 std::optional<Jump> measure_jump(const Bench& bench, double width_px, double distance_px, bool told) {
     const Study& study = bench.study;
-    Shot shot = edge_shot(study, width_px, study.jump_frame + study.frames_after_jump);
-    shot.analytic->offset_px = -0.5 * distance_px;
-    // The shadow of what hangs at a height h moves by -h times what the sun's direction, 1 upwards, moves.
-    const AnalyticGeometry geometry = analytic_geometry(shot, 0);
-    const glm::dvec3 jumped =
-        to_sun - glm::dvec3(distance_px * analytic_pixel_m / geometry.height * geometry.normal, 0);
-    shot.sun = {{0, to_sun}, {double(study.jump_frame - 1), to_sun}, {double(study.jump_frame), jumped}};
+    const Shot shot = jump_shot(study, width_px, distance_px);
     const Judge before(study, shot, study.jump_frame - 1), judge(study, shot, study.jump_frame);
-    StepFinder finder;
-    finder.add(study.jump_frame - 1, before.truth, before.counted);
-    finder.add(study.jump_frame, judge.truth, judge.counted);
-    const auto step = finder.step();
+    const auto step = step_of(study, before, judge);
     if (!step) {
         bench.diagnostics.add({}, "jump", "no pixel changes by more than a half");
         return std::nullopt;

@@ -44,6 +44,9 @@ struct Bench {
 // Whether any pixel that counts has its centre in the penumbra of an edge that stands still. A narrow one
 // along the rows or columns of pixels may lie between them, and then there is nothing to judge.
 bool has_penumbra(const Study& study, double width_px);
+// Whether any such pixel changes by more than a half when the sun jumps, either way: a wide one changes
+// little.
+bool has_jump(const Study& study, double width_px);
 
 // Each is absent after an error, which is a diagnostic.
 

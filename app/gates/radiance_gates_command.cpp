@@ -118,9 +118,10 @@ int run_radiance_gates(const GatesArguments& arguments) {
                                      pipeline.name, arguments.signal, counted(study.seeds, "seed"),
                                      study.size[0], study.size[1]));
             const auto told = [&](const std::string& what, double share) { doing(what, share); };
-            good = good && print_tables({device, *nodes, pipeline, arguments.signal, study, scenes,
-                                         diagnostics, warnings, told},
-                                        given.empty() ? all : given, doing);
+            good = print_tables(
+                {device, *nodes, pipeline, arguments.signal, study, scenes, diagnostics, warnings, told},
+                given.empty() ? all : given, doing);
+            if (!good) break;
         }
     }
     print_warnings(warnings);

@@ -43,6 +43,10 @@ TEST(LitPictureError, WhatIsNoNumberIsCountedAndSeen) {
     EXPECT_EQ(error.nonfinite, 1u);
     EXPECT_TRUE(std::isfinite(error.relmse));
     EXPECT_GT(error.flip.mean, 0);
+    Diagnostics diagnostics;
+    EXPECT_FALSE(is_finite(broken, "truth/lit.0000.exr", diagnostics)) << "nothing to hold an image against";
+    EXPECT_NE(diagnostics.text().find("truth/lit.0000.exr: is a reference, and pixel 4,4"), std::string::npos)
+        << diagnostics.text();
 }
 
 TEST(LitPictureError, AFileIsReadAsItWasWritten) {
