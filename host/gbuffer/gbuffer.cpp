@@ -144,7 +144,7 @@ GBuffer::GBuffer(Device& device, const Scene& scene, VkExtent2D extent, uint32_t
             const int material = parts[i].material;
             const bool translucent = scene.translucent(parts[i]);
             uint32_t least_alpha = 0;
-            if (translucent || is_alpha_tested(scene.model(), material)) {
+            if (translucent || scene.alpha_tested(parts[i])) {
                 const Material& of = scene.model().materials[static_cast<size_t>(material)];
                 // The rest is drawn by whoever draws what is behind through it.
                 if (translucent && !scene.has_opaque_texels(parts[i])) continue;
@@ -250,15 +250,17 @@ void GBuffer::write_draw_records(const FrameDescription& frame, double moment, d
 
 // Motion vectors need where every vertex was, with the triangles of now.
 void GBuffer::write_deformed(double moment, double previous, size_t slot) {
+    if (std::ranges::all_of(items_, [](const DrawItem& item) { return item.vertices.empty(); })) return;
+    const Scene::Pose now = scene_.pose(moment), before = scene_.pose(previous);
     for (DrawItem& item : items_) {
         if (item.vertices.empty()) continue;
-        const auto write = [&](GpuBuffer& buffer, double frame) {
+        const auto write = [&](GpuBuffer& buffer, const Scene::Pose& pose) {
             const std::vector<RasterVertex> vertices =
-                moved_vertices(geometry_, item.range, scene_.positions(item.instance, *item.part, frame));
+                moved_vertices(geometry_, item.range, scene_.positions(item.instance, *item.part, pose));
             std::memcpy(buffer.mapped, vertices.data(), vertices.size() * sizeof(RasterVertex));
         };
-        write(item.vertices[slot], moment);
-        write(item.prev_vertices[slot], previous);
+        write(item.vertices[slot], now);
+        write(item.prev_vertices[slot], before);
     }
 }
 

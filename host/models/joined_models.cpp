@@ -6,6 +6,8 @@
 
 #include <algorithm>
 #include <iterator>
+#include <map>
+#include <span>
 
 #include "host/models/gltf.h"
 
@@ -107,9 +109,16 @@ std::optional<Model> load_models(const Shot& shot, Diagnostics& diagnostics) {
         for (std::string& warning : all->warnings) warning = shot.model.string() + ": " + warning;
     } else {
         all.emplace();
-        for (const PlacedModel& place : shot.models) {
-            std::optional<Model> model = load_one(place.file, diagnostics);
+        std::map<std::filesystem::path, Model> read;  // what stands in further places
+        for (size_t i = 0; i < shot.models.size(); ++i) {
+            const PlacedModel& place = shot.models[i];
+            auto known = read.extract(place.file);
+            std::optional<Model> model =
+                known ? std::optional(std::move(known.mapped())) : load_one(place.file, diagnostics);
             if (!model) return std::nullopt;
+            const auto rest = std::span(shot.models).subspan(i + 1);
+            if (std::ranges::find(rest, place.file, &PlacedModel::file) != rest.end())
+                read.emplace(place.file, *model);
             join_model(*all, std::move(*model), place);
         }
     }

@@ -108,6 +108,7 @@ Scene::Scene(Model model, const Shot& shot)
       objects_(shot.objects) {
     for (size_t i = 0; i < model_.materials.size(); ++i) {
         translucent_.push_back(is_translucent(model_, static_cast<int>(i)));
+        alpha_tested_.push_back(is_alpha_tested(model_, static_cast<int>(i)));
         opaque_texels_.push_back(translucent_.back() &&
                                  penumbra::has_opaque_texels(model_, model_.materials[i]));
     }

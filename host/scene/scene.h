@@ -40,7 +40,14 @@ class Scene {
     std::vector<glm::dmat4> transforms(double frame) const;
     // Whether a part's vertices move in its instance's frame.
     bool deforms(const Instance& instance, const Part& part) const;
-    // Vertices of a part at a frame, relative to its origin: its own where it does not deform.
+    // All nodes at a frame.
+    struct Pose {
+        std::vector<NodePose> nodes;
+        std::vector<glm::dmat4> world;  // of all, with a skin or without
+    };
+    Pose pose(double frame) const;
+    // Vertices of a part, relative to its origin: its own where it does not deform.
+    std::vector<glm::vec3> positions(const Instance& instance, const Part& part, const Pose& pose) const;
     std::vector<glm::vec3> positions(const Instance& instance, const Part& part, double frame) const;
     // Whether an animation of the file is played that moves anything.
     bool animated() const;
@@ -68,6 +75,10 @@ class Scene {
         return part.material >= 0 && opaque_texels_[static_cast<size_t>(part.material)];
     }
     bool has_translucent() const;
+    // Whether its material's test removes any texel at all.
+    bool alpha_tested(const Part& part) const {
+        return part.material >= 0 && alpha_tested_[static_cast<size_t>(part.material)];
+    }
     // Box of all triangles at the first frame, without the shot's origin.
     const std::array<glm::dvec3, 2>& bounds() const { return bounds_; }
     // A box that holds all triangles at a frame, without the shot's origin; made of the parts' boxes, so not
@@ -78,18 +89,12 @@ class Scene {
     std::vector<std::array<glm::dvec3, 2>> moved_boxes(double a, double b) const;
 
   private:
-    struct Pose {
-        std::vector<NodePose> nodes;
-        std::vector<glm::dmat4> world;  // of all, with a skin or without
-    };
-    Pose pose(double frame) const;
     std::vector<glm::dmat4> transforms(const Pose& pose) const;
     glm::dvec3 skin_origin(const Node& node, const Pose& pose) const;  // where its vertices are counted from
     std::vector<bool> moving_nodes() const;  // of the animation, with what hangs on them
     bool deforms(const Instance& instance) const;
     // `world`: of its node, of transforms().
     std::array<glm::dvec3, 2> box(const Instance& instance, const glm::dmat4& world, const Pose& pose) const;
-    std::vector<glm::vec3> positions(const Instance& instance, const Part& part, const Pose& pose) const;
     // visit(part, corners) of every triangle in order.
     template <class Visit>
     void each_triangle(double frame, const Visit& visit) const;
@@ -98,7 +103,7 @@ class Scene {
     }
 
     Model model_;
-    std::vector<bool> translucent_, opaque_texels_;  // by material
+    std::vector<bool> translucent_, opaque_texels_, alpha_tested_;  // by material
     int animation_ = -1;
     double fps_ = 60;
     std::vector<const ObjectMotion*> motions_;  // per node, null where it stands still

@@ -49,7 +49,7 @@ bool has_alpha(const Scene& scene) {
     const Model& model = scene.model();
     return std::ranges::any_of(scene.instances(), [&](const Instance& instance) {
         return std::ranges::any_of(model.meshes[static_cast<size_t>(instance.mesh)].parts,
-                                   [&](const Part& part) { return is_alpha_tested(model, part.material); });
+                                   [&](const Part& part) { return scene.alpha_tested(part); });
     });
 }
 
@@ -72,13 +72,11 @@ bool SceneAlpha::blocks(uint32_t record, const std::array<double, 3>& weights) c
 
 SceneAlpha make_scene_alpha(const Scene& scene) {
     const Model& model = scene.model();
-    std::vector<bool> tested(model.materials.size());
-    for (size_t i = 0; i < tested.size(); ++i) tested[i] = is_alpha_tested(model, static_cast<int>(i));
     SceneAlpha out;
     std::map<std::pair<int, uint32_t>, RecordMap> masks;  // by texture and least alpha
     for (const Instance& instance : scene.instances())
         for (const Part& part : model.meshes[static_cast<size_t>(instance.mesh)].parts) {
-            if (part.material < 0 || !tested[static_cast<size_t>(part.material)]) {
+            if (!scene.alpha_tested(part)) {
                 out.record_of.insert(out.record_of.end(), part.indices.size() / 3, 0);
                 continue;
             }
