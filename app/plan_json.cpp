@@ -293,6 +293,7 @@ OrderedJson frame_block_json() {
     PENUMBRA_MEMBER(flags, "uint")
     PENUMBRA_MEMBER(snap_px, "float")
     PENUMBRA_MEMBER(grid_px, "float")
+    PENUMBRA_MEMBER(prev_depth, "vec2")
 #undef PENUMBRA_MEMBER
     return {{"bytes", sizeof(FrameBlock)}, {"members", members}};
 }

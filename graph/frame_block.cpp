@@ -57,9 +57,13 @@ FrameBlock make_frame_block(const FrameDescription& frame, uint32_t device_sub_p
         block.size.v[i] = frame.size[i];
         block.prev_size.v[i] = frame.prev_size[i];
     }
-    // One pixel spans 2 / height in ndc; at the centre ndc.y is so many times tan(angle).
-    const double ndc_per_tangent = std::abs(clip_from_view[1][1]);
-    block.pixel_angle = static_cast<float>(2.0 / (std::max(frame.size[1], 1u) * ndc_per_tangent));
+    // A pixel spans 2 / size in ndc.
+    for (int i = 0; i < 2; ++i)
+        block.pixel_angle =
+            std::max(block.pixel_angle, static_cast<float>(2.0 / (std::max(frame.size[size_t(i)], 1u) *
+                                                                  std::abs(clip_from_view[i][i]))));
+    if (const double slope = prev_clip_from_view[2][2]; slope != 0)
+        block.prev_depth = to_block(std::array{1 / slope, -prev_clip_from_view[3][2] / slope});
     block.dt_s = frame.dt_s;
     block.frame_index = frame.index;
     block.flags = frame.flags & ~uint32_t{frame_unchanged};

@@ -35,7 +35,7 @@ constexpr auto declaration_keys = std::to_array<Key>({
      "read only; a port's name is its name in GLSL and the resource it binds to by default",
      {.object = &port}},
     {"outputs", Holds::objects, "written; a node without any counts what it reads", {.object = &port}},
-    {"tables", Holds::objects, "static data beside the declaration, uploaded once", {.object = &table}},
+    {"tables", Holds::objects, "static data beside the declaration", {.object = &table}},
     {"params", Holds::objects, "what a pipeline may set", {.object = &param}},
     {"dispatch", Holds::object, "how many threads run",
      {.required = true, .object = &dispatch, .beside = "shader"}},

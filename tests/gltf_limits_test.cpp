@@ -229,7 +229,8 @@ TEST_F(Gltf, MissingAndCorruptFilesAreDiagnostics) {
     EXPECT_FALSE(load_gltf(folder_, diagnostics_));
     EXPECT_EQ(diagnostics_.size(), 2u);
     expect_error("{", "not a valid glTF");
-    const auto empty = load(R"({"asset":{"version":"2.0"},"meshes":7})");
+    expect_error(R"({"asset":{"version":"2.0"},"meshes":7})", "meshes: expected a list");
+    const auto empty = load(R"({"asset":{"version":"2.0"},"meshes":[]})");
     ASSERT_TRUE(empty);
     EXPECT_EQ(empty->warnings, std::vector<std::string>{"there are no triangles"});
 }

@@ -159,5 +159,38 @@ TEST(FrameBlock, ReprojectionDoesNotDependOnTheDistanceFromTheOrigin) {
     EXPECT_FLOAT_EQ(far.camera_delta.v[0], -0.25f);
 }
 
+// As where an engine renders fewer columns than it shows.
+TEST(FrameBlock, APixelSpansItsLongerSide) {
+    FrameDescription frame;
+    frame.camera.clip_from_view = perspective(1.0, 16.0 / 9, 0.1);
+    const auto span = [&](uint32_t width, uint32_t height) {
+        frame.size = {width, height};
+        return make_frame_block(frame).pixel_angle;
+    };
+    const float square = span(1920, 1080);
+    EXPECT_NEAR(span(960, 1080), 2 * square, 1e-6 * square);
+    EXPECT_NEAR(span(1920, 540), 2 * square, 1e-6 * square);
+    EXPECT_NEAR(span(1920, 2160), square, 1e-6 * square);
+}
+
+TEST(FrameBlock, AnOrthographicPastHasPlanesOfItsOwn) {
+    const auto far_at = [](double far_m) {
+        std::array<double, 16> clip_from_view{};
+        clip_from_view[0] = clip_from_view[5] = 0.1;
+        clip_from_view[10] = 1 / (far_m - 1);
+        clip_from_view[14] = far_m / (far_m - 1);
+        clip_from_view[15] = 1;
+        return clip_from_view;
+    };
+    FrameDescription frame;
+    frame.camera.clip_from_view = far_at(200);
+    frame.previous.clip_from_view = far_at(100);
+    frame.flags = frame_orthographic;
+    frame.size = {64, 64};
+    const FrameBlock block = make_frame_block(frame);
+    const double z = block.prev_clip_from_rel.columns[2][2] * -7.0 + block.prev_clip_from_rel.columns[3][2];
+    EXPECT_NEAR(-(block.prev_depth.v[0] * z + block.prev_depth.v[1]), 7, 1e-4);
+}
+
 }  // namespace
 }  // namespace penumbra::test

@@ -12,11 +12,11 @@ struct FrameBlock {
     vec2 prev_jitter;         // uv
     uvec2 size;               // pixels
     uvec2 prev_size;          // pixels
-    float pixel_angle;        // radians per pixel at the image's centre
+    float pixel_angle;        // metres that a pixel spans along its longer side, per metre of view depth; orthographic: metres
     float dt_s;               // seconds since the previous recorded frame
     uint frame_index;
     uint flags;               // FRAME_RESET | FRAME_ORTHOGRAPHIC | FRAME_DEPTH_AT_CENTRES
     float snap_px;            // how far beside a pixel's centre, along either axis, its depth may have been taken
     float grid_px;            // and how far past the edge of what it shows the centre may lie
-    float unused0, unused1;
+    vec2 prev_depth;          // of an orthographic view: previous view depth = -(x * previous clip z + y)
 };

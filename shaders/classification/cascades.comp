@@ -21,10 +21,11 @@ const float ROUNDING_OF_DEPTH = 2e-6;
 const float ROUNDING_M = 1e-5;
 const float OFFSET_SHARE = 64.0;  // rays start off the surface by less than this part of a pixel, or of a texel
 
+vec2 sides_m(Cascade c) { return vec2(textureSize(cascade_bounds, 0).xy) * c.texel_m; }
+
 // Texel-scale metres across the light and along it. Depth 0 is above every caster.
 vec3 metres_in(Cascade c, vec3 relative) {
-    const float side_m = float(textureSize(cascade_bounds, 0).x) * c.texel_m;
-    return in_cascade(c, relative) * vec3(side_m, side_m, c.depth_m);
+    return in_cascade(c, relative) * vec3(sides_m(c), c.depth_m);
 }
 
 // Rays decide everything where the host does not say that the bounds hold all casters.
@@ -57,8 +58,7 @@ Area area_in(uint k, float reach_m, bool wanted, vec3 relative, bool speaks, vec
     const float radius = area.search.tangent * min(reach_m, area.bounds.deepest) + c.texel_m / OFFSET_SHARE;
     area.low = area.bounds.low - radius;
     area.high = area.bounds.high + radius;
-    const float side_m = float(textureSize(cascade_bounds, 0).x) * c.texel_m;
-    area.found = all(greaterThan(area.low, vec2(0.0))) && all(lessThan(area.high, vec2(side_m))) &&
+    area.found = all(greaterThan(area.low, vec2(0.0))) && all(lessThan(area.high, sides_m(c))) &&
                  all(lessThanEqual(area.low, area.high)) && all(lessThan(area.high - area.low, vec2(float(SPAN) * c.texel_m)));
     return area;
 }
@@ -102,7 +102,8 @@ void main() {
     Proof proof = Proof(false, 0.0, WHOLE_RAY_M);
     if (proving) proof = test_list(search, list, at);
     const bool lit = proof.lit && may_be_lit;
-    const float margin_m = proving ? pixel_span_m(view_z) / OFFSET_SHARE : 0.0;
+    // Rays of a driver's queries start ahead, too (ray_offset.glsl).
+    const float margin_m = proving ? pixel_span_m(view_z) / OFFSET_SHARE + beyond_edge_m(p, view_z, n) : 0.0;
     const bool whole = !proving || !may_be_lit;  // the interval speaks of the proof's rays
     close_tile(wanted && !lit, bit, whole ? 0.0 : proof.nearest_m - margin_m,
                whole ? WHOLE_RAY_M : (proof.farthest_m + margin_m) / cos(sun.angular_radius));

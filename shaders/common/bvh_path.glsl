@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // Where a walk through the hierarchy of host/bvh/bvh.h is: what is pending, and the step on from it. The question that is asked
-// of nodes and leaves is the includer's (common/bvh.glsl: a ray's; classification/beam_query.glsl; cover.comp), which writes the loop
+// of nodes and leaves is the includer's (common/bvh.glsl: a ray's; classification/beam_query.glsl; visibility/light_walk.glsl), which writes the loop
 //
 //     while (true) {
 //         if (bvh_at_leaf(path)) { .. bvh_take_leaf(path) .. }

@@ -59,11 +59,11 @@ float pixel_span_m(float view_depth) {
 float frustum_m(float view_depth) { return float(min(frame.size.x, frame.size.y)) * pixel_span_m(view_depth); }
 
 // View-axis depth that a static point had in the previous frame; not positive where it was behind the camera.
-// w is the view depth of a perspective; an orthographic camera has none, so z is undone with the current projection.
+// w is the view depth of a perspective; an orthographic camera has none, so its z is undone.
 float previous_depth(vec3 relative_position) {
     const vec4 clip = frame.prev_clip_from_rel * vec4(relative_position, 1.0);
     if ((frame.flags & FRAME_ORTHOGRAPHIC) == 0u) return clip.w;
-    return -(frame.view_from_clip[2].z * clip.z + frame.view_from_clip[3].z);
+    return -(frame.prev_depth.x * clip.z + frame.prev_depth.y);
 }
 
 // Where a pixel's surface was in the previous frame. NaN and infinite motion fail the test and give "off screen".

@@ -19,7 +19,7 @@ float light_bound_m() {
     return light.kind == LIGHT_RECTANGLE ? length(vec2(u, v)) : light.kind == LIGHT_TUBE ? u + v : max(u, v);
 }
 
-// Of a disc of its area; of a sphere its own.
+// About that of a disc of its area; of a sphere its own.
 float light_radius_m() { return light.kind == LIGHT_SPHERE ? light.u.x : sqrt(length(light.u) * length(light.v)); }
 
 // Whether any of its light can arrive at a point `from_centre` metres from its middle: others are no receivers of it, and whoever

@@ -15,7 +15,7 @@ vec3 previous_position(ivec2 texel, float view_depth) {
     // Depth is w of a perspective; see previous_depth() for the other.
     vec4 z = m[3] - vec4(0.0, 0.0, 0.0, view_depth);
     if ((frame.flags & FRAME_ORTHOGRAPHIC) != 0u)
-        z = frame.view_from_clip[2].z * m[2] + vec4(0.0, 0.0, 0.0, frame.view_from_clip[3].z + view_depth);
+        z = frame.prev_depth.x * m[2] + vec4(0.0, 0.0, 0.0, frame.prev_depth.y + view_depth);
     const vec3 xy = cross(x.xyz, y.xyz), yz = cross(y.xyz, z.xyz), zx = cross(z.xyz, x.xyz);
     return -(x.w * yz + y.w * zx + z.w * xy) / dot(xy, z.xyz);
 }

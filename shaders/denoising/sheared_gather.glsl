@@ -30,7 +30,7 @@ struct Estimate {
     float each;  // rays that every pixel has which was asked, on average
 };
 
-// In a word: 16 bits of visibility, as many as the state has, 10 of rays (up to 85) and 6 of gain.
+// In a word: 16 bits of visibility, 10 of rays (up to 85) and 6 of gain.
 const float RAYS_STEP = 1.0 / 12.0;
 uint pack_estimate(Estimate e) {
     const uint rays = rounded(min(e.rays / RAYS_STEP, 1023.0)), gain = rounded(clamp(e.gain, 0.0, 1.0) * 63.0);

@@ -9,8 +9,8 @@
 const uint NO_POINT = 0u;       // in ray_points, of who has no ray
 const float EQUAL_SHARE = 0.6;  // of the rays of a box that all say the same: what they count
 // Further rays of a turn. Most pixels have few; and one driver ends all loops of a workgroup after 65 535 turns, of which each of a CPU's
-// invocations has 64 pixels with up to 49 neighbours (81 at a radius of 5) to ask.
-const uint AT_ONCE = R > 4 ? 4u : 2u;
+// invocations has 128 pixels with up to 49 neighbours (81 at a radius of 5) to ask.
+const uint AT_ONCE = R > 4 ? 8u : 4u;
 const float UNSHEARED_SHARE = 0.7, UNSHEARED_PX = 2.8;  // of the disc's radius, and at most: how far rays of unknown points are asked
 
 // A pixel on its receiver's plane, as the light sees it.
@@ -193,7 +193,7 @@ Estimate asked_around(Receiver r, Reach reach, Penumbra penumbra, Estimate other
             if (HAS_RAY_POINTS) {
                 const int of = clamp(at_p + dy * int(frame.size.x) + dx, 0, last);
                 uint told = ray_points[of];
-                if (HAS_KNOWN && !has_ray(r.p + ivec2(dx, dy))) told = NO_POINT;
+                if (HAS_KNOWN && !has_ray(clamp(r.p + ivec2(dx, dy), ivec2(0), ivec2(frame.size) - 1))) told = NO_POINT;
                 point = unpack_point(told);
                 if (HAS_RAY_WORDS) stand_in = point = told == NO_POINT ? next_stand_in(stand_in) : point;
                 if (HAS_LIGHT) point = untwisted(r.lamp, at.xy / window.by_radius, point);

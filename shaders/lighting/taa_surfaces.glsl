@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // Which of the history showed what is seen around a pixel now.
 //
-// Includer has camera.glsl, guide_normal.glsl, lanes_in_a_row.glsl, pixels.glsl, rounded.glsl and taa_history.glsl, and
+// Includer has camera.glsl, guide_normal.glsl, lanes_in_a_row.glsl, rounded.glsl and taa_history.glsl, and
 // declares the images history and view_depth and, where things move, motion, guide_normal and view_depth_prev.
 #include "common/corners.glsl"
 #include "common/view_rays.glsl"

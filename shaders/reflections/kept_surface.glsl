@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // What a pixel showed, for the next frame to know it again, in a word: the view depth's logarithm in 12 bits (steps of half a
-// percent from 2^-10 to 2^21 m), the normal, octahedral, in twice 6 (off by 3 degrees at most), the roughness in 8. 0: nothing.
+// percent from 2^-10 to 2^21 m), the normal, octahedral, in twice 6 (off by 4 degrees at most), the roughness in 8. 0: nothing.
 //
 // Includer has common/receiver_normal.glsl and common/rounded.glsl.
 

@@ -5,7 +5,7 @@
 //
 // Includer has common/receiver_normal.glsl and common/rounded.glsl and declares: constants LOBE, HIT_NORMALS.
 
-const float LEAST_WIDE = 0.15;  // roughness: a direction is then off by less than a tenth of the lobe's alpha
+const float LEAST_WIDE = 0.15;  // roughness: a direction is then off by less than a fifth of the lobe's alpha
 const uint DIRECTION_BITS = 10u, NORMAL_BITS = 6u;
 const float OFF = 1e-4, OFF_WIDE = 0.0042;  // radians by which a direction may be off, of 16 bits and of DIRECTION_BITS
 

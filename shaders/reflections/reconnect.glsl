@@ -47,7 +47,9 @@ struct Found {
 
 bool is_far(Found f) { return !(f.m < NO_HIT_M); }
 
-const float LEAST_COSINE = 0.005;  // a normal is off by less
+// A normal of 6 bits is off by .07 at most, but not along the axes; .03 and .07 in its place have 1 to 3 % fewer effective rays on one shot of
+// five and as many on the others.
+const float LEAST_COSINE = 0.005;
 
 float cosine_at(vec3 normal, vec3 direction) {
     const float cosine = -dot(normal, direction);

@@ -36,7 +36,7 @@ void for_pixel(ivec2 p) {
         for (uint k = 0u; k < cascade_count(textureSize(cascade_maps, 0).z) && visible > 0.0; ++k) {
             const Cascade c = cascades.c[k];
             const vec3 at = in_cascade(c, relative);
-            const vec2 border = vec2((params.radius_texels + 1.0) / float(textureSize(cascade_maps, 0).x));
+            const vec2 border = (params.radius_texels + 1.0) / vec2(textureSize(cascade_maps, 0).xy);
             if (!inside && is_usable(c) && all(greaterThan(at.xy, border)) && all(lessThan(at.xy, 1.0 - border))) {
                 inside = true;
                 visible = lit_share(c, int(k), at, n);
