@@ -131,7 +131,8 @@ TEST_F(Shadows, ForgetEverythingOnAReset) {
 // A first frame without the reset flag reads what the memory happens to hold.
 TEST_F(Shadows, TakeGarbageForNoHistory) {
     const Edge edge{.width_px = 16, .last = 4};
-    ShotRun clean("shadows_fast", shot_of(edge), {.poison = 0}), poisoned("shadows_fast", shot_of(edge), {.poison = 1});
+    ShotRun clean("shadows_fast", shot_of(edge), {.poison = 0}),
+        poisoned("shadows_fast", shot_of(edge), {.poison = 1});
     for (uint32_t index = 0; index <= edge.last; ++index) {
         SCOPED_TRACE(index);
         EXPECT_TRUE(clean.frame(index, index == 0) == poisoned.frame(index, false));

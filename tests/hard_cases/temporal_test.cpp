@@ -357,7 +357,8 @@ TEST_F(HardCase, ASlowPanBlursNoHistory) {
         const auto on_floor = [&](size_t i) { return std::abs(z[i] - height) < 0.01 && i % 128 < 96; };
         return n_eff(image, truth, on_floor);
     };
-    const double still = score("shadows_fast", 0), slow = score("shadows_fast", 0.5), whole = score("shadows_fast", 1);
+    const double still = score("shadows_fast", 0), slow = score("shadows_fast", 0.5),
+                 whole = score("shadows_fast", 1);
     const double naive_still = score("fidelityfx", 0), naive_slow = score("fidelityfx", 0.5);
     figure("case 51, N_eff still", naive_still, still);
     figure("case 51, N_eff at one pixel a frame", NAN, whole);
@@ -394,7 +395,8 @@ TEST_F(HardCase, AFenceThinnerThanAPixelDoesNotFlicker) {
     // jitter.)
     const double naive = flicker("fidelityfx", true, false), ours = flicker("hybrid_shadows", true, false);
     figure("case 55, flicker of the colour under jitter, still scene", naive, ours);
-    const double naive_moves = flicker("fidelityfx", true, true), ours_moves = flicker("shadows_fast", true, true);
+    const double naive_moves = flicker("fidelityfx", true, true),
+                 ours_moves = flicker("shadows_fast", true, true);
     figure("case 55, the same, a scene that may move", naive_moves, ours_moves);
     figure("case 55, the same without jitter", flicker("fidelityfx", false, true),
            flicker("shadows_fast", false, true));
