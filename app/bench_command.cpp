@@ -73,6 +73,11 @@ std::optional<Job> prepare(const BenchArguments& arguments, const NodeSet& nodes
     job.bench.options.light = arguments.light;
     const auto frames = parse_frames(arguments.frames, diagnostics);
     if (!frames) return std::nullopt;
+    if ((*frames)[0] == (*frames)[1] && arguments.rounds == 1) {
+        diagnostics.add({"--frames"}, "",
+                        "a frame is timed pass by pass or as a whole, by turns: two frames, or --rounds 2");
+        return std::nullopt;
+    }
     job.bench.options.frames = *frames;
     for (const std::string& text : arguments.sizes) {
         const auto size = parse_size(text, "--sizes");

@@ -51,7 +51,7 @@ std::string BudgetPicture::summary() const {
 }
 
 const std::vector<std::string>& budget_captures() {
-    static const std::vector<std::string> names{"sunward_words", "ray_words", "ray_bits"};
+    static const std::vector<std::string> names{"sunward_words", "ray_words", "ray_bits", "proved"};
     return names;
 }
 
@@ -60,18 +60,23 @@ BudgetPicture budget_picture(const Session& session) {
     out.size = {session.plan().extent.width, session.plan().extent.height};
     const auto sunward = captured_values<uint32_t>(session, "sunward_words"),
                first = captured_values<uint32_t>(session, "ray_words"),
-               further = captured_values<uint32_t>(session, "ray_bits");
-    const uint32_t columns = (out.size[0] + tile_width - 1) / tile_width;
+               further = captured_values<uint32_t>(session, "ray_bits"),
+               proved = captured_values<uint32_t>(session, "proved");
+    const uint32_t columns = (out.size[0] + tile_width - 1) / tile_width, proved_words = (columns + 31) / 32;
     for (uint32_t y = 0; y < out.size[1]; ++y)
         for (uint32_t x = 0; x < out.size[0]; ++x) {
             const size_t tile = size_t{y / tile_height} * columns + x / tile_width;
             const uint32_t bit = 1u << (y % tile_height * tile_width + x % tile_width);
+            // Of a proved tile ray_words says what its pixels know, which cast none.
+            const bool cast = (first[tile] & bit) != 0 &&
+                              !(proved[size_t{y / tile_height} * proved_words + x / tile_width / 32] >>
+                                    (x / tile_width % 32) &
+                                1u);
             Color color = nowhere;
             if (sunward[tile] & bit) {
                 // The highest bit says how many further ones there are.
                 const uint32_t more = further[size_t{y} * out.size[0] + x];
-                const uint32_t rays =
-                    first[tile] & bit ? std::max<uint32_t>(1, uint32_t(std::bit_width(more))) : 0;
+                const uint32_t rays = cast ? std::max<uint32_t>(1, uint32_t(std::bit_width(more))) : 0;
                 ++out.pixels[std::min(rays, most_rays)];
                 out.rays += rays;
                 color = color_of(std::min(rays, most_rays));

@@ -119,6 +119,11 @@ class Loader {
         if (!visibility || !receiver) return std::nullopt;
         if (mask_) check_size(*mask_, *image, arguments_.mask, diagnostics_);
         if (!diagnostics_.empty()) return std::nullopt;
+        if (2 * uint64_t{arguments_.border} >= std::min(image->width, image->height)) {
+            diagnostics_.add({"--border"}, "",
+                             fmt::format("leaves none of {} x {} pixels", image->width, image->height));
+            return std::nullopt;
+        }
         LoadedFrame frame;
         frame.number = number;
         frame.counted.resize(visibility->values.size());

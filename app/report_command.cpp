@@ -279,7 +279,7 @@ int run_report(const ReportArguments& arguments) {
     std::optional<std::vector<PipelinePlan>> plans;
     if (scene) {
         StandaloneOptions options{first.size, 1, false};
-        options.light = job->results.study.light;
+        if (!job->results.study.light.empty()) options.light = job->results.study.light;
         const StandaloneHost host(device, first, std::move(*scene), options);
         plans = plan_contenders(*job, device, host.facts(), diagnostics);
     }

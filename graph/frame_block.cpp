@@ -58,10 +58,10 @@ FrameBlock make_frame_block(const FrameDescription& frame, uint32_t device_sub_p
         block.prev_size.v[i] = frame.prev_size[i];
     }
     // A pixel spans 2 / size in ndc.
-    for (int i = 0; i < 2; ++i)
-        block.pixel_angle =
-            std::max(block.pixel_angle, static_cast<float>(2.0 / (std::max(frame.size[size_t(i)], 1u) *
-                                                                  std::abs(clip_from_view[i][i]))));
+    for (int i = 0; i < 2; ++i) {
+        const double across = std::max(frame.size[size_t(i)], 1u) * std::abs(clip_from_view[i][i]);
+        block.pixel_angle = std::max(block.pixel_angle, static_cast<float>(2 / across));
+    }
     if (const double slope = prev_clip_from_view[2][2]; slope != 0)
         block.prev_depth = to_block(std::array{1 / slope, -prev_clip_from_view[3][2] / slope});
     block.dt_s = frame.dt_s;

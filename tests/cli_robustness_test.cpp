@@ -135,6 +135,7 @@ TEST_F(CliRobustness, WhatCannotBeAnsweredIsRefused) {
     expect(run("explain --shot colonnade --gather --samples 64" + out), 2, "excludes");
     expect(run("report --shots scenes/walk.shot.json" + out), 2, "frames: is 48: 64 are measured");
     expect(run("bench raw --sizes 640"), 2, "--sizes: ");
+    expect(run("bench raw --frames 3 --rounds 1"), 2, "--rounds 2");
     expect(run("view --window 1280 --shot engine"), 2, "--window: ");
     expect(run("gates raw --parts still --edge-deg 0 --widths 0.5 --seeds 1"), 2, "no pixel's centre");
     expect(run("gates raw --widths 8,128 --seeds 1"), 2, "--widths: a penumbra of 128 px is too wide");

@@ -97,6 +97,8 @@ TEST_F(Compare, BorderAndMaskLeavePixelsOut) {
     a.frames = "3";
     a.border = 1;
     EXPECT_EQ(nlohmann::json::parse(run(a).out)["pixels"]["receivers"], 12);
+    a.border = 2;
+    EXPECT_NE(run(a).err.find("--border: leaves none of 8 x 4 pixels"), std::string::npos);
     a.border = 0;
     PlanarImage mask{8, 4, {{"Y", PlaneType::real, std::vector<float>(32, 0), {}}}};
     for (size_t p = 0; p < 5; ++p) mask.planes[0].values[p] = 1;

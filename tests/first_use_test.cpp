@@ -102,6 +102,14 @@ TEST_F(FirstUse, AFolderOfAPipelinesNameDoesNotHideIt) {
     EXPECT_EQ(found->filename(), "raw.json");
 }
 
+// Its sessions run the judged frame once more, for the pictures.
+TEST_F(FirstUse, AReportIsMeasuredWhereTheCameraMoves) {
+    expect(run("report --front --rounds 1 --rays 16 --size 48x27 --shots colonnade --pipelines raw --out " +
+               in("r")),
+           0, "");
+    EXPECT_TRUE(fs::exists(folder_ / "r/index.html"));
+}
+
 TEST_F(FirstUse, FramesBeyondAShotAreRefused) {
     expect(run("render raw --shot colonnade --frames 5..99 --out " + in("o")), 2, "whose frames are 0..63");
     expect(run("reference --shot colonnade --frames 64 --out " + in("o")), 2, "whose frames are 0..63");
