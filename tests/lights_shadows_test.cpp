@@ -76,7 +76,7 @@ TEST_F(LightsShadows, APipelineMayNameItsLights) {
         << "its disc is none";
     // What the last light takes in memory is not said then, since the pipeline is for these alone.
     expect(
-        run("bench '" + in("two.json") + "' --shots lights/interior --sizes 32x32 --rounds 1 --frames 1..1"),
+        run("bench '" + in("two.json") + "' --shots lights/interior --sizes 32x32 --rounds 1 --frames 0..1"),
         0, "");
     expect(run("render '" + in("two.json") + "' --light bulb" + shot + "--out '" + in("none") + "'"), 2,
            "--light: \"bulb\" is none of the lights that \"lights_shadows\" names");
